@@ -8,15 +8,15 @@
 namespace motiondb::core {
 
 absl::Status Calibrate(Model& model, const ParallelFor& parallel, const BuildProgress& progress) {
-  const auto half = [&](double from) -> BuildProgress {
-    return [&progress, from](double fraction, std::string_view stage) {
-      return !progress || progress(from + fraction / 2, stage);
+  const auto half_progress = [&](double begin) -> BuildProgress {
+    return [&progress, begin](double fraction, std::string_view stage) {
+      return !progress || progress(begin + fraction / 2, stage);
     };
   };
   MOTIONDB_ASSIGN_OR_RETURN(RecognitionCalibration recognition,
-                            CalibrateRecognition(model, parallel, half(0)));
+                            CalibrateRecognition(model, parallel, half_progress(0)));
   MOTIONDB_ASSIGN_OR_RETURN(PredictionConfidence confidence,
-                            FitPredictionConfidence(model, parallel, half(0.5)));
+                            FitPredictionConfidence(model, parallel, half_progress(0.5)));
   model.set_recognition(std::move(recognition));
   model.set_confidence(std::move(confidence));
   return absl::OkStatus();

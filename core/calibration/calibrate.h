@@ -1,5 +1,5 @@
-// Calibrates the probabilities of a model's answers on held-out stored clips, so that they equal
-// observed frequencies.
+// Calibrates the probabilities of a model's answers with held-out stored clips: a calibrated
+// probability equals the observed frequency.
 #pragma once
 
 #include "absl/status/status.h"
@@ -10,9 +10,9 @@ namespace motiondb::core {
 
 class Model;
 
-// Calibrates a model that is built and not yet shared. Uses at most 128 stored clips, so the work
-// is bounded. The result does not depend on the number of threads. CANCELLED if `progress` returns
-// false; the model is then unchanged.
+// Calibrates a model that is built and not yet shared. Uses at most 128 stored clips, to bound the
+// time. The result does not depend on the number of threads. CANCELLED if `progress` returns false;
+// the model is then unchanged.
 absl::Status Calibrate(Model& model, const ParallelFor& parallel, const BuildProgress& progress);
 
 }  // namespace motiondb::core

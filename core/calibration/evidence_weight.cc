@@ -10,11 +10,11 @@ double NegativeLogLikelihood(const std::vector<JudgedSample>& samples,
                              const EvidenceWeight& weight) {
   double sum = 0;
   for (const JudgedSample& sample : samples) {
-    const double at = weight.At(sample.frames);
+    const double factor = weight.At(sample.frames);
     const double peak = *std::max_element(sample.evidence.begin(), sample.evidence.end());
-    double all = 0;
-    for (const double evidence : sample.evidence) all += std::exp(at * (evidence - peak));
-    sum += std::log(all) - at * (sample.evidence[sample.label] - peak);
+    double exp_sum = 0;
+    for (const double evidence : sample.evidence) exp_sum += std::exp(factor * (evidence - peak));
+    sum += std::log(exp_sum) - factor * (sample.evidence[sample.label] - peak);
   }
   return sum / static_cast<double>(samples.size());
 }
@@ -25,14 +25,14 @@ EvidenceWeight FitEvidenceWeight(const std::vector<JudgedSample>& samples,
   constexpr double kMinLogScale = -6;
   constexpr double kMaxLogScale = 2;
   EvidenceWeight best;
-  double lowest = std::numeric_limits<double>::infinity();
+  double min_loss = std::numeric_limits<double>::infinity();
   for (const double power : powers) {
     for (int i = 0; i < kScales; ++i) {
       const EvidenceWeight weight{
           std::exp(kMinLogScale + (kMaxLogScale - kMinLogScale) * i / (kScales - 1)), power};
       const double loss = NegativeLogLikelihood(samples, weight);
-      if (loss < lowest) {
-        lowest = loss;
+      if (loss < min_loss) {
+        min_loss = loss;
         best = weight;
       }
     }

@@ -11,15 +11,16 @@ namespace motiondb::core {
 
 std::vector<bool> LeftOutWith(const Model& model, int held_out) {
   const std::vector<ModelClip>& clips = model.clips();
-  const ModelClip& out = clips[held_out];
-  const bool by_subject =
-      !out.subject.empty() && std::any_of(clips.begin(), clips.end(), [&](const ModelClip& clip) {
-        return clip.label == out.label && clip.subject != out.subject;
+  const ModelClip& tested = clips[held_out];
+  const bool leave_out_subject =
+      !tested.subject.empty() &&
+      std::any_of(clips.begin(), clips.end(), [&](const ModelClip& clip) {
+        return clip.label == tested.label && clip.subject != tested.subject;
       });
   std::vector<bool> left_out(clips.size());
   for (std::size_t c = 0; c < clips.size(); ++c) {
-    left_out[c] =
-        static_cast<int>(c) == held_out || (by_subject && clips[c].subject == out.subject);
+    left_out[c] = static_cast<int>(c) == held_out ||
+                  (leave_out_subject && clips[c].subject == tested.subject);
   }
   return left_out;
 }

@@ -1,4 +1,4 @@
-// Selection of held-out clips, and their motion, to test a model on its own clips.
+// Selects stored clips to test a model with, each held out of the model, and reads their motion.
 #pragma once
 
 #include <vector>
@@ -9,17 +9,17 @@ namespace motiondb::core {
 
 class Model;
 
-// Returns which clips to leave out together with a held-out clip: all clips of its subject, if the
-// subject is known and other subjects have the same label, so that labels are not recognized by the
-// subject; otherwise the clip alone.
+// Returns for each clip whether a test of the clip `held_out` leaves it out. If the subject is
+// known and other subjects have clips with the same label, all clips of the subject are left out,
+// because the subject would reveal the label. If not, only the clip itself is left out.
 std::vector<bool> LeftOutWith(const Model& model, int held_out);
 
-// Returns at most `max_count` clips, in proportion to the number of clips of each label and
-// subject, independent of their order in the model. Ordered by label and subject, so that an evenly
-// spread part of the result is such a sample too.
+// Returns at most `max_count` clips, ordered by label and subject, with the proportions of labels
+// and subjects of the model. Evenly spread elements of the result also have these proportions. They
+// do not depend on the order of the clips in the model.
 std::vector<int> SampleClips(const Model& model, int max_count);
 
-// Returns the states of a stored clip, not scaled; of all its frames or of [first, end).
+// Returns the unscaled states of a stored clip: of all frames, or of frames [first, end).
 StateSequence StoredMotion(const Model& model, int clip);
 StateSequence StoredMotion(const Model& model, int clip, int first, int end);
 

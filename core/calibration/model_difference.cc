@@ -29,9 +29,9 @@ double Spread(const Model& model) {
   return std::sqrt(sum / (static_cast<double>(frames.size()) * model.states().cols()));
 }
 
-// Returns the most probable label of a window of a clip, in the model without this clip; empty if
-// the model has no other clip.
-std::string LabelOf(const Model& model, int clip, int first, int width) {
+// Recognizes `width` frames of a clip, from frame `first`, without the clips of LeftOutWith.
+// Returns the most probable label; empty if no clip remains.
+std::string MostProbableLabel(const Model& model, int clip, int first, int width) {
   const std::vector<bool> left_out = LeftOutWith(model, clip);
   if (std::ranges::find(left_out, false) == left_out.end()) return "";
   const FrameMatrix scaled =
@@ -55,15 +55,15 @@ ModelDifference CompareModels(const Model& before, const Model& after,
                              .spread_before = Spread(before),
                              .spread_after = Spread(after)};
   if (before.metric().empty() || after.metric().empty()) return difference;
-  std::map<std::string, int> in_after;
+  std::map<std::string, int> index_after;  // by clip id
   for (std::size_t c = 0; c < after.clips().size(); ++c) {
-    in_after[after.clips()[c].id] = static_cast<int>(c);
+    index_after[after.clips()[c].id] = static_cast<int>(c);
   }
-  std::vector<int> common;  // added clips that are in both models
+  std::vector<int> common;  // added clips that are in both models; indices in `before`
   for (int c = before.built_clip_count(); c < std::ssize(before.clips()); ++c) {
-    const auto same = in_after.find(before.clips()[c].id);
-    if (same != in_after.end() &&
-        after.clips()[same->second].frame_count == before.clips()[c].frame_count) {
+    const auto found = index_after.find(before.clips()[c].id);
+    if (found != index_after.end() &&
+        after.clips()[found->second].frame_count == before.clips()[c].frame_count) {
       common.push_back(c);
     }
   }
@@ -76,8 +76,8 @@ ModelDifference CompareModels(const Model& before, const Model& after,
     const int frames = before.clips()[clip].frame_count;
     const int width = std::clamp(full_width, 1, frames);
     const int first = (frames - width) / 2;
-    same_label[i] = LabelOf(before, clip, first, width) ==
-                    LabelOf(after, in_after.at(before.clips()[clip].id), first, width);
+    same_label[i] = MostProbableLabel(before, clip, first, width) ==
+                    MostProbableLabel(after, index_after.at(before.clips()[clip].id), first, width);
   });
   difference.windows = static_cast<int>(tested.size());
   difference.same_label = static_cast<int>(std::ranges::count(same_label, 1));

@@ -16,21 +16,21 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kMaxMoments = 192;
-constexpr int kMaxPredictedClips = 128;     // different clips add more information than one clip
-constexpr double kMinMomentDistance = 0.2;  // s; nearer moments add little information
+constexpr int kMaxPredictedClips = 128;
+constexpr double kMinMomentDistance = 0.2;  // s; closer moments add little information
 constexpr int kMinSamples = 16;             // to fit an error model
-constexpr double kMinFuture = 0.08;         // s
+constexpr double kMinFuture = 0.08;         // s of motion after a moment
 
-// Every second moment is predicted again with its own clip as an example, without the second around
-// the moment: stored motion of the same person is often similar.
+// Every second moment is predicted again with its own clip in the model, except the frames around
+// the moment: a database often has similar motion of the observed person.
 constexpr int kOwnClipEvery = 2;
-constexpr double kLeftOutAround = 1.0;     // s before and after the moment
+constexpr double kLeftOutAround = 1.0;     // s, on each side of the moment
 constexpr double kMinOwnClipDuration = 4;  // s
 
 struct Moment {
   int clip = 0;
-  int frame = 0;       // of the clip, from 0
-  FrameRange without;  // left-out frames of the model
+  int frame = 0;        // of the clip, from 0
+  FrameRange left_out;  // frames of the model
 };
 
 std::vector<Moment> Moments(const Model& model) {
@@ -51,9 +51,11 @@ std::vector<Moment> Moments(const Model& model) {
       moments.push_back({clip, frame, {stored.first_frame, end}});
       if (stored.frame_count < kMinOwnClipDuration * rate || ++count % kOwnClipEvery != 0) continue;
       const int around = static_cast<int>(kLeftOutAround * rate);
-      const int at = stored.first_frame + frame;
-      moments.push_back(
-          {clip, frame, {std::max(stored.first_frame, at - around), std::min(end, at + around)}});
+      const int model_frame = stored.first_frame + frame;
+      moments.push_back({clip,
+                         frame,
+                         {std::max(stored.first_frame, model_frame - around),
+                          std::min(end, model_frame + around)}});
     }
   }
   return moments;
@@ -63,19 +65,19 @@ double MeanDistance(const Eigen::RowVectorXf& a, const Eigen::RowVectorXf& b) {
   return (a - b).reshaped<Eigen::RowMajor>(a.size() / 3, 3).rowwise().norm().mean();
 }
 
-// One sample for each horizon within the clip.
+// For each horizon: the error of the prediction, or nullopt if the clip ends before the horizon.
 using Trial = std::vector<std::optional<ErrorSample>>;
 
-absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Moment& moment,
-                          const std::vector<double>& horizons) {
+absl::StatusOr<Trial> PredictMoment(const Model& model, const MotionPrior& prior,
+                                    const Moment& moment, const std::vector<double>& horizons) {
   const PredictOptions options;
   const double rate = model.settings().frame_rate_hz;
   const auto history = std::max(1, static_cast<int>(std::lround(options.history_seconds * rate)));
   const int first = std::max(0, moment.frame - history);
   const StateSequence past = PastAt(StoredMotion(model, moment.clip, first, moment.frame + 1),
                                     moment.frame - first, history);
-  MOTIONDB_ASSIGN_OR_RETURN(auto moments,
-                            FindMoments(model, past, options.transition_floor, moment.without, {}));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto moments, FindMoments(model, past, options.transition_floor, moment.left_out, {}));
   Forecaster forecaster(model, past, std::move(moments), &prior);
   const Track truth(model.parts(), moment.clip);
   const int now = truth.first() + moment.frame;
@@ -102,9 +104,11 @@ absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
   if (model.clips().size() < 2) return confidence;
   const std::vector<double> horizons = PredictOptions().horizon_seconds;
   const std::vector<Moment> moments = Moments(model);
-  // The linear prior must not know the clip either: it is fitted without the clip's part.
-  const std::shared_ptr<const MotionSums> kept = model.parts().prior_sums;
-  const MotionSums sums = kept == nullptr ? MotionSums::Over(model.parts(), parallel) : *kept;
+  // The clips are divided into parts. The motion prior of a trial is fitted without the part that
+  // contains the clip.
+  const std::shared_ptr<const MotionSums> stored_sums = model.parts().prior_sums;
+  const MotionSums sums =
+      stored_sums == nullptr ? MotionSums::Over(model.parts(), parallel) : *stored_sums;
   std::vector<MotionPrior> priors(MotionSums::kParts);
   parallel(MotionSums::kParts, [&](int part) { priors[part] = sums.Fit(part); });
   std::vector<absl::StatusOr<Trial>> trials(moments.size(), Trial());
@@ -112,7 +116,8 @@ absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
                                      parallel, progress, [&](int i) {
                                        const MotionPrior& prior =
                                            priors[sums.part_of_clip(moments[i].clip)];
-                                       trials[i] = Try(model, prior, moments[i], horizons);
+                                       trials[i] =
+                                           PredictMoment(model, prior, moments[i], horizons);
                                      }));
   for (std::size_t h = 0; h < horizons.size(); ++h) {
     std::vector<ErrorSample> samples;

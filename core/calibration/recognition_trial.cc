@@ -23,27 +23,27 @@ constexpr int kMinWholeClips = 8;
 constexpr int kMaxWholeClips = 64;
 constexpr int kMaxWindows = 512;
 constexpr double kWindowSeconds = 0.4;
-constexpr double kMinWindowDistance = 0.2;  // s; windows that overlap more add little information
+constexpr double kMinWindowDistance = 0.2;  // s; closer windows add little information
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
-constexpr double kMaxWholeSeconds = 20;  // of longer clips only the beginning is used
-// Maximum number of compared frame pairs: each frame of an observation with each frame of the clips
-// it is aligned with.
+constexpr double kMaxWholeSeconds = 20;  // the rest of a longer clip is not used
+// Maximum number of compared pairs of frames: a frame of an observation, and a frame of a clip that
+// the observation is aligned with.
 constexpr double kMaxComparisons = 6e9;
 
 // Results of held-out observations.
-struct Judged {
-  std::vector<JudgedSample> samples;  // only of labels that other clips have
+struct TrialResults {
+  std::vector<JudgedSample> samples;  // of clips whose label remains in the model
   std::vector<float> familiarity;
 
-  void Append(const Judged& more) {
-    samples.insert(samples.end(), more.samples.begin(), more.samples.end());
-    familiarity.insert(familiarity.end(), more.familiarity.begin(), more.familiarity.end());
+  void Append(const TrialResults& other) {
+    samples.insert(samples.end(), other.samples.begin(), other.samples.end());
+    familiarity.insert(familiarity.end(), other.familiarity.begin(), other.familiarity.end());
   }
 };
 
-// Recognizes a clip with the model without this clip.
+// Recognizes parts of a clip with the model without the clips of LeftOutWith.
 class HeldOutClip {
  public:
   HeldOutClip(const Model& model, const std::vector<std::string>& labels, int clip)
@@ -53,30 +53,31 @@ class HeldOutClip {
                                       labels.begin());
     for (std::size_t c = 0; c < left_out_.size(); ++c) {
       if (left_out_[c]) continue;
-      any_left_ = true;
-      comparable_ = comparable_ || model.clips()[c].label == label;
+      has_clips_ = true;
+      has_label_ = has_label_ || model.clips()[c].label == label;
     }
   }
 
-  // Recognizes windows of `width` frames of scaled states that begin at `firsts` (ascending).
-  Judged Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width) const {
-    Judged judged;
-    if (!any_left_) return judged;
+  // Recognizes windows of `width` frames that begin at the frames `firsts` (ascending). `scaled`:
+  // scaled states of the clip.
+  TrialResults Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width) const {
+    TrialResults results;
+    if (!has_clips_) return results;
     const int stride = FrameStride(model_.settings().frame_rate_hz);
     const auto observation = MetricObservation::Create(model_, scaled);
     for (const int first : firsts) {
       const auto alignment = AlignWindow(
           model_, *observation, ComparedFrames(first, width, stride, false), left_out_, false, {});
-      Add(*alignment, judged);
+      Add(*alignment, results);
     }
-    return judged;
+    return results;
   }
 
-  // Recognizes the first 10 to 100 % of the clip, or of its first kMaxWholeSeconds, as whole
-  // observations.
-  Judged Beginnings(const StateSequence& motion) const {
-    Judged judged;
-    if (!any_left_) return judged;
+  // Recognizes the kBeginnings of the clip as whole observations. Only the first kMaxWholeSeconds
+  // of the clip are used.
+  TrialResults Beginnings(const StateSequence& motion) const {
+    TrialResults results;
+    if (!has_clips_) return results;
     const int frames = std::min(
         motion.frame_count(),
         std::max(1, static_cast<int>(std::lround(kMaxWholeSeconds * motion.frame_rate_hz))));
@@ -84,23 +85,23 @@ class HeldOutClip {
     model_.scale().Apply(beginnings.states);
     beginnings.newest.resize(std::ssize(kBeginnings), motion.states.cols());
     for (const double share : kBeginnings) {
-      const int seen =
+      const int length =
           std::clamp(static_cast<int>(std::lround(share * frames)), std::min(2, frames), frames);
-      beginnings.newest.row(std::ssize(beginnings.lengths)) = PastAt(motion, seen - 1, 1).states;
-      beginnings.lengths.push_back(seen);
+      beginnings.newest.row(std::ssize(beginnings.lengths)) = PastAt(motion, length - 1, 1).states;
+      beginnings.lengths.push_back(length);
     }
     model_.scale().Apply(beginnings.newest);
     for (const WindowAlignment& alignment : AlignBeginnings(model_, beginnings, left_out_)) {
-      Add(alignment, judged);
+      Add(alignment, results);
     }
-    return judged;
+    return results;
   }
 
  private:
-  void Add(const WindowAlignment& alignment, Judged& judged) const {
-    judged.familiarity.push_back(static_cast<float>(alignment.familiarity_score));
-    if (!comparable_) return;
-    judged.samples.push_back(
+  void Add(const WindowAlignment& alignment, TrialResults& results) const {
+    results.familiarity.push_back(static_cast<float>(alignment.familiarity_score));
+    if (!has_label_) return;
+    results.samples.push_back(
         {LabelEvidence(model_, labels_, alignment.clips), label_, alignment.frames});
   }
 
@@ -108,17 +109,17 @@ class HeldOutClip {
   const std::vector<std::string>& labels_;
   const std::vector<bool> left_out_;
   std::size_t label_ = 0;
-  bool any_left_ = false;
-  bool comparable_ = false;
+  bool has_clips_ = false;  // a clip remains in the model
+  bool has_label_ = false;  // a remaining clip has the label
 };
 
-// Fits the parts of the calibration for which there are samples.
-void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& calibration) {
-  if (!judged.samples.empty()) {
-    calibration.weight = FitEvidenceWeight(judged.samples, powers);
+// Fits the weight and the familiarity. Without samples the weight keeps its default.
+void Fit(TrialResults results, const std::vector<double>& powers, AnswerCalibration& calibration) {
+  if (!results.samples.empty()) {
+    calibration.weight = FitEvidenceWeight(results.samples, powers);
   }
-  std::sort(judged.familiarity.begin(), judged.familiarity.end());
-  calibration.familiarity = std::move(judged.familiarity);
+  std::sort(results.familiarity.begin(), results.familiarity.end());
+  calibration.familiarity = std::move(results.familiarity);
 }
 
 }  // namespace
@@ -145,9 +146,9 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   const std::vector<int> whole_clips =
       SpreadEvenly(count, ClipsTriedWhole(static_cast<int>(model.clips().size()),
                                           model.frame_count(), kMaxWholeSeconds * rate));
-  std::vector<Judged> windows(clips.size());
-  std::vector<Judged> whole(clips.size());
-  const auto judge = [&](int i) {
+  std::vector<TrialResults> windows(clips.size());
+  std::vector<TrialResults> whole(clips.size());
+  const auto run_trial = [&](int i) {
     const HeldOutClip held_out(model, labels, clips[i]);
     const StateSequence motion = StoredMotion(model, clips[i]);
     const int frames = motion.frame_count();
@@ -162,7 +163,8 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     if (!std::binary_search(whole_clips.begin(), whole_clips.end(), i)) return;
     whole[i] = held_out.Beginnings(motion);
   };
-  MOTIONDB_RETURN_IF_ERROR(RunTrials(count, "calibration of labels", parallel, progress, judge));
+  MOTIONDB_RETURN_IF_ERROR(
+      RunTrials(count, "calibration of labels", parallel, progress, run_trial));
   for (int i = 1; i < count; ++i) {
     windows[0].Append(windows[i]);
     whole[0].Append(whole[i]);

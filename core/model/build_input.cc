@@ -14,7 +14,7 @@ namespace motiondb::core {
 
 absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_set,
                          const std::vector<BuildInput>& inputs) {
-  if (inputs.empty()) return InvalidArgument("a model needs at least one clip");
+  if (inputs.empty()) return InvalidArgument("expected at least one clip, got none");
   for (const BuildInput& input : inputs) {
     const StateSequence& states = input.states;
     if (states.frame_count() == 0 || states.root_path.rows() != states.frame_count()) {
@@ -30,7 +30,7 @@ absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_
                              settings.frame_rate_hz, states.frame_rate_hz);
     }
     if (!states.states.allFinite() || !states.root_path.allFinite()) {
-      return InvalidArgument("clip '{}': expected finite numbers", input.clip_id);
+      return InvalidArgument("clip '{}': expected finite states and root path", input.clip_id);
     }
   }
   return absl::OkStatus();
@@ -38,10 +38,10 @@ absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_
 
 namespace {
 
-constexpr std::int64_t kFreedBytes = 64 << 20;  // at a time
+constexpr std::int64_t kFreedBytes = 64 << 20;  // freed between two calls of malloc_trim
 
-// Returns freed memory to the system. The allocator keeps freed blocks between living ones and does
-// not reuse them for large blocks: without this, a build needs the memory of its clips twice.
+// Returns freed memory to the operating system. Otherwise fragmentation doubles the memory that a
+// build needs for its clips.
 void ReturnFreedMemory() {
 #if defined(__GLIBC__)
   malloc_trim(0);
@@ -53,30 +53,31 @@ void ReturnFreedMemory() {
 ConcatenatedInputs Concatenate(std::vector<BuildInput> inputs) {
   Eigen::Index frames = 0;
   for (const BuildInput& input : inputs) frames += input.states.frame_count();
-  ConcatenatedInputs together;
-  together.states.resize(frames, inputs[0].states.states.cols());
-  together.root_path.resize(frames, 3);
+  ConcatenatedInputs concatenated;
+  concatenated.states.resize(frames, inputs[0].states.states.cols());
+  concatenated.root_path.resize(frames, 3);
   std::int32_t first = 0;
   for (BuildInput& input : inputs) {
     const int count = input.states.frame_count();
-    together.clips.push_back({std::move(input.clip_id), std::move(input.label), first, count,
-                              input.states.leg_length_m, std::move(input.subject),
-                              std::move(input.states.glitches)});
+    concatenated.clips.push_back({std::move(input.clip_id), std::move(input.label), first, count,
+                                  input.states.leg_length_m, std::move(input.subject),
+                                  std::move(input.states.glitches)});
     first += count;
   }
   std::int64_t freed = 0;
   for (std::size_t c = 0; c < inputs.size(); ++c) {
-    const ModelClip& clip = together.clips[c];
-    together.states.middleRows(clip.first_frame, clip.frame_count) = inputs[c].states.states;
-    together.root_path.middleRows(clip.first_frame, clip.frame_count) = inputs[c].states.root_path;
+    const ModelClip& clip = concatenated.clips[c];
+    concatenated.states.middleRows(clip.first_frame, clip.frame_count) = inputs[c].states.states;
+    concatenated.root_path.middleRows(clip.first_frame, clip.frame_count) =
+        inputs[c].states.root_path;
     inputs[c].states = {};
-    freed += clip.frame_count * together.states.cols() * std::int64_t{sizeof(float)};
+    freed += clip.frame_count * concatenated.states.cols() * std::int64_t{sizeof(float)};
     if (freed < kFreedBytes) continue;
     ReturnFreedMemory();
     freed = 0;
   }
   ReturnFreedMemory();
-  return together;
+  return concatenated;
 }
 
 }  // namespace motiondb::core

@@ -17,19 +17,18 @@ struct BuildInput {
   std::string subject;   // may be empty; calibration holds out all clips of a subject
 };
 
-// INVALID_ARGUMENT if there is no clip, or if a clip has no frame, has a number that is not finite,
-// or does not fit the marker set or the frame rate. The message names the clip.
+// Returns INVALID_ARGUMENT if there is no clip, or if a clip has no frame, a number that is not
+// finite, or another marker set or frame rate. The message names the clip.
 absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_set,
                          const std::vector<BuildInput>& inputs);
 
-// All clips, concatenated.
 struct ConcatenatedInputs {
   std::vector<ModelClip> clips;  // numbered from frame 0
   FrameMatrix states;            // frames x dimensions, not scaled
   RootPath root_path;
 };
 
-// Frees each input as soon as it is copied. REQUIRES: CheckInputs.
+// Returns all clips. Frees each input after copying it. REQUIRES: CheckInputs returned OK.
 ConcatenatedInputs Concatenate(std::vector<BuildInput> inputs);
 
 }  // namespace motiondb::core

@@ -24,7 +24,7 @@ class ClipIndex {
   // Means of the indexed nodes in the metric, nodes x K, and their squared norms.
   const FrameMatrix& means() const { return means_; }
   const Eigen::VectorXf& squared_norms() const { return squared_norms_; }
-  // Returns the means in another metric. `gaussians`: the model's.
+  // Returns the means in another metric, nodes x K. `gaussians`: node statistics of the model.
   FrameMatrix MeansIn(const MotionMetric& metric, const NodeGaussians& gaussians) const;
   // Clips with frames in a node, ascending.
   std::span<const int> clips(int node) const {
@@ -32,10 +32,10 @@ class ClipIndex {
   }
 
  private:
-  std::vector<int> branches_;  // of the tree, one for each node
+  std::vector<int> branches_;  // [node], index into the branches of the tree
   FrameMatrix means_;
   Eigen::VectorXf squared_norms_;
-  std::vector<int> begin_;  // for each node, index of its first clip in clips_; and the end
+  std::vector<int> begin_;  // node n has clips_[begin_[n]] to clips_[begin_[n + 1] - 1]
   std::vector<int> clips_;
 };
 

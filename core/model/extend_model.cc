@@ -26,7 +26,7 @@ ModelParts FittedParts(const Model& base) {
   return parts;
 }
 
-// Returns the new clips, numbered after the base's frames.
+// Appends states, root path and clips. Returns the new clips with their frame numbers in the model.
 std::vector<ModelClip> AppendFrames(const Model& base, ConcatenatedInputs added,
                                     ModelParts& parts) {
   base.scale().Apply(added.states);
@@ -59,7 +59,8 @@ absl::StatusOr<Model> ExtendModel(const Model& base, std::vector<BuildInput> inp
                                   const ParallelFor& parallel) {
   MOTIONDB_RETURN_IF_ERROR(CheckInputs(base.settings(), base.marker_set(), inputs));
   if (!base.tree().has_planes()) {
-    return FailedPrecondition("the model was built by an older version: it can only be rebuilt");
+    return FailedPrecondition(
+        "the model was built by an older version and cannot be extended; rebuild it");
   }
   ModelParts parts = FittedParts(base);
   const std::vector<ModelClip> added = AppendFrames(base, Concatenate(std::move(inputs)), parts);

@@ -11,13 +11,11 @@
 namespace motiondb::core {
 
 // Returns the model with `inputs` appended. Each frame descends the tree by the thresholds (section
-// III-B) and is counted in node statistics and transition graphs (eq. 6); recognition and
-// prediction use the new clips like the others. The scale, the thresholds, the metric, the motion
-// prior, the familiarity and the calibration stay those of the last build. Shares the memory of the
-// stored states with `base`, which does not change. INVALID_ARGUMENT as BuildModel;
-// FAILED_PRECONDITION if the base has no split thresholds (built by an older version). O(added *
-// depth * dimensions + frames
-// + branches).
+// III-B) and is counted in node statistics and transition graphs (eq. 6). The scale, the
+// thresholds, the metric, the motion prior, the familiarity and the calibration do not change.
+// Shares the memory of the stored states with `base`, which does not change. INVALID_ARGUMENT as
+// BuildModel; FAILED_PRECONDITION if the base has no split thresholds (built by an older version).
+// O(added * depth * dimensions + frames + branches).
 absl::StatusOr<Model> ExtendModel(const Model& base, std::vector<BuildInput> inputs,
                                   const ParallelFor& parallel);
 

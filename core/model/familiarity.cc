@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxWindows = 256;
 constexpr double kFloor = 1e-6;
-constexpr int kWindowsAtOnce = 32;    // node statistics are read once for so many windows
+constexpr int kWindowsAtOnce = 32;    // windows that share one pass over the node statistics
 constexpr float kMaxLogDeficit = 40;  // e^-40 / kFloor is less than a float's rounding
 constexpr float kPadding = std::numeric_limits<float>::infinity();
 
@@ -29,7 +29,7 @@ std::vector<FrameRun> Windows(const std::vector<FrameRun>& clips, int window_fra
   return spread;
 }
 
-// The nodes of a branch: one in each layer from its first to its last.
+// The nodes of each branch: one in each of its layers, in order of the layers.
 class NodesOfBranches {
  public:
   explicit NodesOfBranches(const Tree& tree) : begin_(tree.branches().size() + 1) {
@@ -58,32 +58,32 @@ class NodesOfBranches {
 // Likely nodes of one layer, for each frame.
 using LikelyNodes = std::vector<std::vector<LikelyNode>>;
 
-// Bounding box of some frames, and for each layer the minimum log density that a node must have for
-// one of them.
+// Bounding box of frames, and for each layer the minimum log density of a node that
+// is likely for at least one of these frames.
 struct Box {
-  Eigen::RowVectorXf least;
-  Eigen::RowVectorXf most;
-  Eigen::VectorXf at_least;       // [layer - 1]
-  Eigen::VectorXf at_least_from;  // minimum over this layer and those below
+  Eigen::RowVectorXf lower;
+  Eigen::RowVectorXf upper;
+  Eigen::VectorXf min_density;       // [layer - 1]
+  Eigen::VectorXf min_density_from;  // minimum over this layer and all deeper ones
 };
 
-// Frames of windows in the layout of LogDensitiesFrom: each window begins a new block. For each
-// layer the minimum log density of a node (infinite for padding).
+// Frames of windows in the layout of LogDensitiesFrom: each window begins a new block. Also the
+// minimum log density of a likely node (infinite for padding).
 struct WindowFrames {
-  FrameMatrix blocks;         // blocks of dimensions x kSquaresLanes, end to end
-  FrameMatrix at_least;       // [layer - 1] x frames
-  FrameMatrix at_least_from;  // minimum over this layer and those below
+  FrameMatrix blocks;            // blocks of dimensions x kSquaresLanes, end to end
+  FrameMatrix min_density;       // [layer - 1] x frames
+  FrameMatrix min_density_from;  // minimum over this layer and all deeper ones
   std::vector<Box> of_block;
   std::vector<Box> of_window;
-  std::vector<int> first_block;  // of each window; and the end
+  std::vector<int> first_block;  // [window], and the number of blocks
 };
 
 int BlocksOf(const FrameRun& window) { return (window.count + kSquaresLanes - 1) / kSquaresLanes; }
 
 Box BoxOf(const Eigen::Ref<const FrameMatrix>& states, const WindowFrames& frames, int place) {
   return {states.colwise().minCoeff(), states.colwise().maxCoeff(),
-          frames.at_least.middleCols(place, states.rows()).rowwise().minCoeff(),
-          frames.at_least_from.middleCols(place, states.rows()).rowwise().minCoeff()};
+          frames.min_density.middleCols(place, states.rows()).rowwise().minCoeff(),
+          frames.min_density_from.middleCols(place, states.rows()).rowwise().minCoeff()};
 }
 
 WindowFrames GatherFrames(std::span<const FrameRun> windows,
@@ -97,28 +97,29 @@ WindowFrames GatherFrames(std::span<const FrameRun> windows,
   }
   gathered.first_block.push_back(blocks);
   gathered.blocks.setZero(blocks * states.cols(), kSquaresLanes);
-  gathered.at_least.setConstant(tree.layer_count(), blocks * kSquaresLanes, kPadding);
+  gathered.min_density.setConstant(tree.layer_count(), blocks * kSquaresLanes, kPadding);
   for (std::size_t w = 0; w < windows.size(); ++w) {
     for (int t = 0; t < windows[w].count; ++t) {
       const int frame = windows[w].first + t;
       const int f = gathered.first_block[w] * kSquaresLanes + t;
       gathered.blocks.block(f / kSquaresLanes * states.cols(), f % kSquaresLanes, states.cols(),
                             1) = states.row(frame).transpose();
-      int known = -1;
+      int previous = -1;
       for (int layer = 1; layer <= tree.layer_count(); ++layer) {
         const int own = tree.branch(layer, tree.node_of_frame(layer, frame));
-        gathered.at_least(layer - 1, f) =
-            own == known ? gathered.at_least(layer - 2, f)
-                         : static_cast<float>(gaussians.LogDensity(own, states.row(frame).data())) -
-                               kMaxLogDeficit;
-        known = own;
+        gathered.min_density(layer - 1, f) =
+            own == previous
+                ? gathered.min_density(layer - 2, f)
+                : static_cast<float>(gaussians.LogDensity(own, states.row(frame).data())) -
+                      kMaxLogDeficit;
+        previous = own;
       }
     }
   }
-  gathered.at_least_from = gathered.at_least;
+  gathered.min_density_from = gathered.min_density;
   for (Eigen::Index layer = tree.layer_count() - 2; layer >= 0; --layer) {
-    gathered.at_least_from.row(layer) =
-        gathered.at_least.row(layer).cwiseMin(gathered.at_least_from.row(layer + 1));
+    gathered.min_density_from.row(layer) =
+        gathered.min_density.row(layer).cwiseMin(gathered.min_density_from.row(layer + 1));
   }
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const int place = gathered.first_block[w] * kSquaresLanes;
@@ -138,16 +139,17 @@ std::vector<LikelyNodes> FindLikelyNodes(const WindowFrames& frames, const Tree&
                                          const NodesOfBranches& nodes,
                                          const NodeGaussians& gaussians) {
   const Eigen::Index block_size = gaussians.dimension_count() * kSquaresLanes;
-  std::vector<LikelyNodes> likely(tree.layer_count(), LikelyNodes(frames.at_least.cols()));
+  std::vector<LikelyNodes> likely(tree.layer_count(), LikelyNodes(frames.min_density.cols()));
   std::vector<float> scratch;
   float log_densities[kSquaresLanes];
   for (int b = 0; b < gaussians.branch_count(); ++b) {
     const int first_layer = tree.branches()[b].layer - 1;
-    const bool is_in_one = nodes[b].size() == 1;
-    const FrameMatrix& least = is_in_one ? frames.at_least : frames.at_least_from;
+    const bool has_one_layer = nodes[b].size() == 1;
+    const FrameMatrix& threshold = has_one_layer ? frames.min_density : frames.min_density_from;
     const auto is_far = [&](const Box& box) {
-      return gaussians.IsBoxBelow(b, box.least.data(), box.most.data(),
-                                  (is_in_one ? box.at_least : box.at_least_from)[first_layer]);
+      return gaussians.IsBoxBelow(
+          b, box.lower.data(), box.upper.data(),
+          (has_one_layer ? box.min_density : box.min_density_from)[first_layer]);
     };
     for (std::size_t w = 0; w < frames.of_window.size(); ++w) {
       if (is_far(frames.of_window[w])) continue;
@@ -155,15 +157,15 @@ std::vector<LikelyNodes> FindLikelyNodes(const WindowFrames& frames, const Tree&
         const int first = block * kSquaresLanes;
         if (is_far(frames.of_block[block]) ||
             !gaussians.LogDensitiesFrom(b, frames.blocks.data() + block * block_size, 1,
-                                        &least(first_layer, first), scratch, log_densities)) {
+                                        &threshold(first_layer, first), scratch, log_densities)) {
           continue;
         }
         for (int lane = 0; lane < kSquaresLanes; ++lane) {
           const int f = first + lane;
-          if (!(log_densities[lane] >= least(first_layer, f))) continue;
+          if (!(log_densities[lane] >= threshold(first_layer, f))) continue;
           for (std::size_t i = 0; i < nodes[b].size(); ++i) {
             const std::size_t layer = first_layer + i;
-            if (log_densities[lane] < frames.at_least(static_cast<Eigen::Index>(layer), f))
+            if (log_densities[lane] < frames.min_density(static_cast<Eigen::Index>(layer), f))
               continue;
             likely[layer][f].push_back({nodes[b][i], log_densities[lane]});
           }
@@ -200,17 +202,20 @@ FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips
   const auto count = static_cast<int>(windows.size());
   parallel((count + kWindowsAtOnce - 1) / kWindowsAtOnce, [&](int chunk) {
     const int first = chunk * kWindowsAtOnce;
-    const auto some = std::span(windows).subspan(first, std::min(kWindowsAtOnce, count - first));
-    const WindowFrames frames = GatherFrames(some, states, tree, gaussians);
+    const auto chunk_windows =
+        std::span(windows).subspan(first, std::min(kWindowsAtOnce, count - first));
+    const WindowFrames frames = GatherFrames(chunk_windows, states, tree, gaussians);
     const std::vector<LikelyNodes> likely = FindLikelyNodes(frames, tree, nodes, gaussians);
     std::vector<double> scratch;
     for (std::size_t layer = 0; layer < likely.size(); ++layer) {
       scratch.assign(global_graphs[layer].node_count(), 0);
-      for (std::size_t w = 0; w < some.size(); ++w) {
+      for (std::size_t w = 0; w < chunk_windows.size(); ++w) {
         const auto seen =
-            std::span(likely[layer]).subspan(frames.first_block[w] * kSquaresLanes, some[w].count);
+            std::span(likely[layer])
+                .subspan(frames.first_block[w] * kSquaresLanes, chunk_windows[w].count);
         reference.scores[layer][first + w] = static_cast<float>(
-            LogGenerationOfCandidates(global_graphs[layer], seen, kFloor, scratch) / some[w].count);
+            LogGenerationOfCandidates(global_graphs[layer], seen, kFloor, scratch) /
+            chunk_windows[w].count);
       }
     }
   });

@@ -33,10 +33,10 @@ struct FrameRun {
 };
 
 // Returns the scores of at most 256 windows of `window_frames` frames, evenly spread over the
-// clips, on each layer; a clip shorter than a window is one window. Skips nodes in which a frame's
-// log density is more than 40 below the density in its own node: because of the floor they change
-// the score by less than its rounding. O(windows * branches) with a few dimensions each, plus the
-// cost of the remaining nodes.
+// clips, on each layer. A clip shorter than a window is one window. Skips nodes in which the log
+// density of a frame is more than 40 below that in its own node: because of the floor, their effect
+// is below the rounding of the score. O(windows * branches) bounding box tests on a few dimensions,
+// plus the densities of the remaining nodes.
 FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips, int window_frames,
                                               const Eigen::Ref<const FrameMatrix>& states,
                                               const Tree& tree, const NodeGaussians& gaussians,

@@ -15,27 +15,27 @@ namespace {
 constexpr int kMaxClips = 256;
 constexpr Eigen::Index kMaxFrames = 512;  // 17 s
 constexpr int kStarts = 4;
-constexpr float kLateStart = 0.05F;  // for each dimension and frame
-constexpr int kSteps = 3;            // 0, 1 or 2 reference frames
+constexpr float kLateStartCost = 0.05F;  // for each dimension and frame
+constexpr int kSteps = 3;                // 0, 1 or 2 reference frames
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
 std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int max_references) {
   std::map<std::string, std::vector<int>> of_label;
-  std::vector<std::size_t> place(clips.size());  // among the clips of its label
+  std::vector<std::size_t> place(clips.size());  // index among the clips of its label
   for (std::size_t c = 0; c < clips.size(); ++c) {
     auto& same = of_label[clips[c].label];
     place[c] = same.size();
     same.push_back(static_cast<int>(c));
   }
-  std::vector<int> with_others;
+  std::vector<int> paired;
   for (std::size_t c = 0; c < clips.size(); ++c) {
-    if (of_label[clips[c].label].size() > 1) with_others.push_back(static_cast<int>(c));
+    if (of_label[clips[c].label].size() > 1) paired.push_back(static_cast<int>(c));
   }
   std::vector<IndexPair> pairs;
-  for (const int i : SpreadEvenly(std::ssize(with_others), kMaxClips)) {
-    const int clip = with_others[i];
+  for (const int i : SpreadEvenly(std::ssize(paired), kMaxClips)) {
+    const int clip = paired[i];
     const auto& same = of_label[clips[clip].label];
     for (const int k : SpreadEvenly(std::ssize(same) - 1, max_references)) {
       pairs.push_back({clip, same[(place[clip] + 1 + k) % same.size()]});
@@ -51,12 +51,12 @@ std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatri
   const auto compared = reference.topRows(places);
   const FrameMatrix cost =
       SquaredDistances(observed.topRows(frames), compared, compared.rowwise().squaredNorm());
-  const float late = kLateStart * static_cast<float>(dimensions);
+  const float late_cost = kLateStartCost * static_cast<float>(dimensions);
 
   Eigen::Matrix<std::int8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> step(frames, places);
   Eigen::RowVectorXf total(places);
   for (Eigen::Index j = 0; j < places; ++j) {
-    total[j] = j < kStarts ? late * static_cast<float>(j) + cost(0, j) : kNever;
+    total[j] = j < kStarts ? late_cost * static_cast<float>(j) + cost(0, j) : kNever;
   }
   Eigen::RowVectorXf before(places);
   for (Eigen::Index i = 1; i < frames; ++i) {

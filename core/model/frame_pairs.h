@@ -17,7 +17,7 @@ struct IndexPair {
 };
 
 // Returns pairs of clips of one label: at most 256 observed clips, evenly spread over the clips
-// whose label occurs twice, each with at most `max_references` references, evenly spread.
+// whose label occurs at least twice, each with at most `max_references` references, evenly spread.
 std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int max_references = 8);
 
 // Aligns `observed` with `reference` by dynamic time warping (frames x dimensions, about 30 Hz; at
@@ -25,8 +25,8 @@ std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int max_re
 // advances by 0, 1 or 2 frames; it starts at one of its first four frames (a later start costs 0.05
 // for each dimension and frame) and ends anywhere. Returns one pair of rows for each observed
 // frame, in order of time; empty if the reference is too short. `dimensions`: number of dimensions
-// for the cost of a later start, if the columns are projections of more dimensions. O(frames *
-// frames * dimensions).
+// for the cost of a later start, if the columns are projections of more dimensions.
+// O(frames^2 * dimensions).
 std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference,
                                    Eigen::Index dimensions);
 inline std::vector<IndexPair> AlignFrames(const FrameMatrix& observed,
@@ -34,8 +34,8 @@ inline std::vector<IndexPair> AlignFrames(const FrameMatrix& observed,
   return AlignFrames(observed, reference, observed.cols());
 }
 
-// Returns the squared Euclidean distances, rows of `a` x rows of `b`. The rounding error is that of
-// the squared norms, so distances much smaller than the norms are inexact.
+// Returns the squared Euclidean distances, rows of `a` x rows of `b`. The rounding error is
+// proportional to the squared norms, so distances much smaller than the norms are inexact.
 inline FrameMatrix SquaredDistances(const Eigen::Ref<const FrameMatrix>& a,
                                     const Eigen::Ref<const FrameMatrix>& b,
                                     const Eigen::Ref<const Eigen::VectorXf>& b_squared_norms) {

@@ -12,15 +12,15 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr int kRowsAtOnce = 256;  // gathered states stay in the processor cache
+constexpr int kBlockRows = 256;  // gathered states stay in the processor cache
 
-// Writes some rows of the states in the metric to the first rows of `projected`.
+// Projects `rows` of the states into the first rows of `projected`.
 void ProjectRows(const MotionMetric& metric, const SharedRows& states, std::span<const int> rows,
                  FrameMatrix& projected, const ParallelFor& parallel) {
   const auto count = static_cast<int>(rows.size());
-  parallel((count + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
-    const int first = block * kRowsAtOnce;
-    FrameMatrix gathered(std::min(kRowsAtOnce, count - first), states.cols());
+  parallel((count + kBlockRows - 1) / kBlockRows, [&](int block) {
+    const int first = block * kBlockRows;
+    FrameMatrix gathered(std::min(kBlockRows, count - first), states.cols());
     for (Eigen::Index r = 0; r < gathered.rows(); ++r) {
       gathered.row(r) = states.row(rows[first + r]) - metric.mean;
     }
@@ -39,16 +39,16 @@ MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
   MetricFrames frames;
   if (parts.metric.empty()) return frames;
   frames.rows = StrideFrames(parts.clips, parts.settings.frame_rate_hz);
-  const auto more = std::span(frames.rows.frame).subspan(known.projected.rows());
+  const auto added = std::span(frames.rows.frame).subspan(known.projected.rows());
   const bool is_first = known.projected.rows() == 0;
-  const Eigen::Index room = is_first ? RoomToGrow(std::ssize(more)) : 0;
-  FrameMatrix projected(std::ssize(more) + room, parts.metric.projection.cols());
-  ProjectRows(parts.metric, parts.states, more, projected, parallel);
-  const Eigen::VectorXf norms = projected.topRows(std::ssize(more)).rowwise().squaredNorm();
+  const Eigen::Index room = is_first ? RoomToGrow(std::ssize(added)) : 0;
+  FrameMatrix projected(std::ssize(added) + room, parts.metric.projection.cols());
+  ProjectRows(parts.metric, parts.states, added, projected, parallel);
+  const Eigen::VectorXf added_norms = projected.topRows(std::ssize(added)).rowwise().squaredNorm();
   frames.projected = is_first ? SharedRows(std::move(projected), room)
                               : known.projected.WithMore(std::move(projected));
   frames.squared_norms.resize(frames.projected.rows());
-  frames.squared_norms << known.squared_norms, norms;
+  frames.squared_norms << known.squared_norms, added_norms;
   return frames;
 }
 

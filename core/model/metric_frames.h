@@ -15,7 +15,7 @@ struct ModelClip;
 struct ModelParts;
 struct MotionMetric;
 
-// Returns the distance between compared frames: 2 at 60 Hz, 1 below 45 Hz.
+// Returns the stride for about 30 Hz: 2 at 60 Hz, 1 below 45 Hz.
 int FrameStride(double frame_rate_hz);
 
 // Every stride-th frame of each clip, beginning with its first.
@@ -30,15 +30,15 @@ StridedFrames StrideFrames(const std::vector<ModelClip>& clips, double frame_rat
 struct MetricFrames {
   StridedFrames rows;
   SharedRows projected;           // rows x K, relative to the metric's mean
-  Eigen::VectorXf squared_norms;  // of the rows
+  Eigen::VectorXf squared_norms;  // of the projected rows
 };
 
 // Returns scaled states (frames x D, without NaN) in the metric: frames x K.
 FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatrix>& states);
 
-// Returns the stored frames in the metric; empty if the model has no metric. `known`: those of the
-// model that this one extends, whose memory is shared; or empty. Needs no memory proportional to
-// the frames except for the result.
+// Returns the stored frames in the metric; empty if the model has no metric. `known`: frames of the
+// base of an extension, whose memory the result shares; otherwise empty. Only the result needs
+// memory proportional to the frames.
 MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
                            const ParallelFor& parallel);
 

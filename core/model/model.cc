@@ -12,19 +12,22 @@
 namespace motiondb::core {
 
 bool ModelClip::HasGlitch(int first, int last) const {
-  const auto met = std::ranges::lower_bound(glitches, first - first_frame, {}, &FrameSpan::last);
-  return met != glitches.end() && met->first <= last - first_frame;
+  const auto overlap =
+      std::ranges::lower_bound(glitches, first - first_frame, {}, &FrameSpan::last);
+  return overlap != glitches.end() && overlap->first <= last - first_frame;
 }
 namespace {
 
 absl::Status CheckFrames(const ModelParts& parts) {
   const auto frames = static_cast<int>(parts.states.rows());
   if (parts.tree.frame_count() != frames || parts.root_path.rows() != frames || frames == 0) {
-    return DataLoss("model: {} states, {} root poses and a tree of {} frames do not fit", frames,
-                    parts.root_path.rows(), parts.tree.frame_count());
+    return DataLoss(
+        "model: expected equal frame counts, got {} states, {} root poses, {} in the tree", frames,
+        parts.root_path.rows(), parts.tree.frame_count());
   }
   if (parts.built_clip_count > std::ssize(parts.clips)) {
-    return DataLoss("model: built from {} of {} clips", parts.built_clip_count, parts.clips.size());
+    return DataLoss("model: got {} built clips, but there are {} clips", parts.built_clip_count,
+                    parts.clips.size());
   }
   const int dimensions = parts.marker_set.dimension_count();
   if (parts.states.cols() != dimensions || parts.scale.divisor.size() != dimensions ||
@@ -34,7 +37,7 @@ absl::Status CheckFrames(const ModelParts& parts) {
   int next = 0;
   for (const ModelClip& clip : parts.clips) {
     if (clip.first_frame != next || clip.frame_count < 1 || clip.frame_count > frames - next) {
-      return DataLoss("model: clip '{}' does not follow the one before it", clip.id);
+      return DataLoss("model: clip '{}' does not begin where the previous clip ends", clip.id);
     }
     next += clip.frame_count;
   }
@@ -42,9 +45,9 @@ absl::Status CheckFrames(const ModelParts& parts) {
   const auto horizons = static_cast<Eigen::Index>(parts.prior.seconds.size());
   if (parts.prior.weights.cols() != horizons * numbers ||
       parts.prior.weights.rows() != (horizons == 0 ? 0 : (1 + kLags) * numbers)) {
-    return DataLoss("model: the motion prior is not one of {} markers", numbers / 3);
+    return DataLoss("model: the motion prior does not have the size for {} markers", numbers / 3);
   }
-  if (next != frames) return DataLoss("model: clips hold {} of {} frames", next, frames);
+  if (next != frames) return DataLoss("model: clips contain {} of {} frames", next, frames);
   return absl::OkStatus();
 }
 
@@ -58,7 +61,7 @@ absl::Status CheckMetric(const MotionMetric& metric, Eigen::Index dimensions) {
                       metric.whitening.allFinite() && metric.projection.allFinite() &&
                       metric.noise > 0 && std::isfinite(metric.noise);
   if (fits && finite) return absl::OkStatus();
-  return DataLoss("model: the metric is not one of {} dimensions", dimensions);
+  return DataLoss("model: expected a finite metric with {} dimensions", dimensions);
 }
 
 bool Fits(const TransitionGraph& graph, int node_count) {
@@ -79,12 +82,13 @@ bool Fits(const ClipGraph& graph, int node_count) {
 absl::Status CheckLayers(const ModelParts& parts) {
   const auto layers = static_cast<std::size_t>(parts.tree.layer_count());
   if (parts.gaussians.branch_count() != static_cast<int>(parts.tree.branches().size())) {
-    return DataLoss("model: statistics of {} nodes for a tree of {}",
+    return DataLoss("model: statistics for {} branches, but the tree has {}",
                     parts.gaussians.branch_count(), parts.tree.branches().size());
   }
   if (parts.global_graphs.size() != layers || parts.clip_graphs.size() != parts.clips.size() ||
       parts.familiarity.scores.size() != layers) {
-    return DataLoss("model: graphs or familiarity are not those of a tree of {} layers", layers);
+    return DataLoss(
+        "model: graphs or familiarity do not have the {} layers or the clips of the model", layers);
   }
   for (std::size_t l = 0; l < layers; ++l) {
     const int nodes = parts.tree.node_count(static_cast<int>(l) + 1);
@@ -146,9 +150,8 @@ bool Model::HasGlitch(int first, int last) const {
 absl::StatusOr<int> Model::ResolveLayer(int layer) const {
   if (layer == 0) return layer_count();
   if (layer < 0 || layer > layer_count()) {
-    return AtField("layer", absl::OutOfRangeError(
-                                fmt::format("layer: expected 1 to {}, or 0 for the bottom, got {}",
-                                            layer_count(), layer)));
+    return AtField("layer", absl::OutOfRangeError(fmt::format("layer: expected 1 to {}, got {}",
+                                                              layer_count(), layer)));
   }
   return layer;
 }

@@ -71,7 +71,7 @@ class Model {
  public:
   // DATA_LOSS if the parts are inconsistent. Derived data is computed with `parallel`.
   static absl::StatusOr<Model> Create(ModelParts parts, const ParallelFor& parallel = RunSerially);
-  // As above for a model that extends `base`, whose derived data is shared.
+  // As above for an extension of `base`. Shares the derived data of `base`.
   static absl::StatusOr<Model> Create(ModelParts parts, const Model& base);
 
   const BuildSettings& settings() const { return parts_.settings; }
@@ -124,9 +124,9 @@ class Model {
   int layer_count() const { return parts_.tree.layer_count(); }
   // Returns the index into clips() of the clip of a frame. O(log clips).
   int clip_of_frame(int frame) const;
-  // Returns whether the frames first to last, which are of one clip, contain a kept glitch.
+  // Returns whether the frames first to last of one clip contain a kept glitch.
   bool HasGlitch(int first, int last) const;
-  // Returns the layer of a request: 0 is the bottom layer. OUT_OF_RANGE names the valid layers.
+  // Returns the layer of a request; 0 is the bottom layer. OUT_OF_RANGE if it does not exist.
   absl::StatusOr<int> ResolveLayer(int layer) const;
 
  private:

@@ -15,17 +15,6 @@ namespace {
 
 constexpr double kFamiliarityWindowSeconds = 0.4;  // the default window of a query
 
-void ScaleInPlace(const FeatureScale& scale, Eigen::Map<FrameMatrix> states,
-                  const ParallelFor& parallel) {
-  constexpr int kRowsAtOnce = 1024;
-  const auto rows = static_cast<int>(states.rows());
-  parallel((rows + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
-    const int first = block * kRowsAtOnce;
-    states.middleRows(first, std::min(kRowsAtOnce, rows - first)).array().rowwise() /=
-        scale.divisor.array();
-  });
-}
-
 void CountGraphs(const ParallelFor& parallel, ModelParts& parts) {
   parts.global_graphs.resize(parts.tree.layer_count());
   parallel(parts.tree.layer_count(), [&](int l) {
@@ -55,23 +44,23 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   parts.settings = settings;
   parts.marker_set = marker_set;
   MOTIONDB_RETURN_IF_ERROR(report(0, "states"));
-  ConcatenatedInputs together = Concatenate(std::move(inputs));
-  parts.scale = MakeFeatureScale(settings.scaling, together.states, parallel);
-  const Eigen::Index room = RoomToGrow(together.states.rows());
-  together.states.conservativeResize(together.states.rows() + room, Eigen::NoChange);
-  parts.clips = std::move(together.clips);
-  parts.root_path = std::move(together.root_path);
-  Eigen::Map<FrameMatrix> scaled(together.states.data(), together.states.rows() - room,
-                                 together.states.cols());
+  ConcatenatedInputs concatenated = Concatenate(std::move(inputs));
+  parts.scale = MakeFeatureScale(settings.scaling, concatenated.states, parallel);
+  const Eigen::Index room = RoomToGrow(concatenated.states.rows());
+  concatenated.states.conservativeResize(concatenated.states.rows() + room, Eigen::NoChange);
+  parts.clips = std::move(concatenated.clips);
+  parts.root_path = std::move(concatenated.root_path);
+  Eigen::Map<FrameMatrix> scaled(concatenated.states.data(), concatenated.states.rows() - room,
+                                 concatenated.states.cols());
   ScaleInPlace(parts.scale, scaled, parallel);
 
-  // The depth is unknown: each layer advances the progress by 15 % of the rest.
+  // The depth is unknown, so each layer adds 15 % of the remaining progress.
   const auto layer_done = [&](int layer) {
     return report(0.8 * (1 - std::pow(0.85, layer)), fmt::format("tree, layer {}", layer)).ok();
   };
   MOTIONDB_ASSIGN_OR_RETURN(parts.tree,
                             BuildTreeInPlace(scaled, settings.min_frames, parallel, layer_done));
-  parts.states = SharedRows(std::move(together.states), room);
+  parts.states = SharedRows(std::move(concatenated.states), room);
   const auto states = parts.states.view();
   MOTIONDB_RETURN_IF_ERROR(report(0.8, "node statistics"));
   parts.gaussians = NodeGaussians::Fit(parts.tree, states, parallel);

@@ -24,7 +24,7 @@ constexpr Eigen::Index kDirections = 40;
 constexpr Eigen::Index kLoadings = 30;
 constexpr Eigen::Index kAligned = 48;       // directions in which clips are aligned
 constexpr std::int64_t kMaxFrames = 65536;  // for the covariance of all motion
-// Maximum number of differences. Frames next to each other add little, so they are skipped first.
+// Maximum number of differences. Adjacent frames are similar, so every second one is skipped first.
 constexpr double kMaxDifferences = 65536;
 constexpr double kMinNoise = 1e-4;
 constexpr double kMinVariance = 1e-8;  // if all clips of a label are equal
@@ -47,7 +47,7 @@ struct Scatter {
   }
 };
 
-// Calls body(part, scatter) for each part. Returns the total, added in order.
+// Calls body(part, scatter) for each part. Returns the total, summed in the order of the parts.
 Scatter SumParts(Eigen::Index dimensions, const ParallelFor& parallel,
                  const std::function<void(int, Scatter&)>& body) {
   std::vector<Scatter> scatters(kParts);
@@ -87,7 +87,7 @@ class LearnedFrames {
     std::vector<int> counts(kParts);
     parallel(kParts, [&](int part) {
       sums[part].setZero(dimensions);
-      for (const int row : SampleOf(part)) {
+      for (const int row : PartSample(part)) {
         if (is_glitch_[row]) continue;
         sums[part] += states_.row(strided_.frame[row]).cast<double>();
         ++counts[part];
@@ -104,7 +104,7 @@ class LearnedFrames {
   // Returns the covariance of the sampled frames.
   Eigen::MatrixXd Covariance(const ParallelFor& parallel) const {
     const Scatter scatter = SumParts(states_.cols(), parallel, [&](int part, Scatter& sum) {
-      const std::span<const int> rows = SampleOf(part);
+      const std::span<const int> rows = PartSample(part);
       for (std::size_t r = 0; r < rows.size(); r += kRows) {
         sum.Add(Rows(rows.subspan(r, std::min<std::size_t>(kRows, rows.size() - r))));
       }
@@ -112,13 +112,13 @@ class LearnedFrames {
     return scatter.sum / std::max(1.0, scatter.rows - 1);
   }
 
-  FrameMatrix OfClip(int clip) const {
+  FrameMatrix ClipFrames(int clip) const {
     std::vector<int> rows(strided_.count(clip));
     std::iota(rows.begin(), rows.end(), strided_.begin[clip]);
     return Rows(rows);
   }
 
-  int CountOf(int clip) const { return strided_.count(clip); }
+  int ClipFrameCount(int clip) const { return strided_.count(clip); }
 
  private:
   FrameMatrix Rows(std::span<const int> rows) const {
@@ -133,7 +133,7 @@ class LearnedFrames {
     }
     return frames;
   }
-  std::span<const int> SampleOf(int part) const {
+  std::span<const int> PartSample(int part) const {
     const std::size_t begin = part * sampled_.size() / kParts;
     return std::span(sampled_).subspan(begin, (part + 1) * sampled_.size() / kParts - begin);
   }
@@ -145,11 +145,11 @@ class LearnedFrames {
   Eigen::RowVectorXf mean_;
 };
 
-// The aligned pairs of clips, and the distance between the frames of which differences are taken: 1
-// if the differences are not too many, otherwise 2 and fewer references.
+// Pairs of clips to align, and the stride of the frames whose differences are used: 1, or 2 if
+// there are more than kMaxDifferences.
 struct Comparisons {
   std::vector<IndexPair> clips;
-  int frames_apart = 1;
+  int pair_stride = 1;
 };
 
 Comparisons ChooseComparisons(const std::vector<ModelClip>& clips, const LearnedFrames& frames) {
@@ -157,40 +157,40 @@ Comparisons ChooseComparisons(const std::vector<ModelClip>& clips, const Learned
   constexpr int kMaxReferences = 8;
   Comparisons chosen{ClipPairs(clips, kMaxReferences)};
   double differences = 0;
-  for (const IndexPair& pair : chosen.clips) differences += frames.CountOf(pair.observed);
+  for (const IndexPair& pair : chosen.clips) differences += frames.ClipFrameCount(pair.observed);
   if (differences <= kMaxDifferences) return chosen;
-  chosen.frames_apart = 2;
-  const double share = kMaxDifferences * chosen.frames_apart / differences;
+  chosen.pair_stride = 2;
+  const double share = kMaxDifferences * chosen.pair_stride / differences;
   if (share >= 1) return chosen;
   chosen.clips = ClipPairs(
       clips, std::max(kMinReferences, static_cast<int>(std::lround(share * kMaxReferences))));
   return chosen;
 }
 
-// Returns W: half the mean of d d^T, d the difference between corresponding frames of two clips of
-// a label. Clips are aligned in the directions (D x q) with the largest variance.
+// Returns W, half the mean of d d^T. d is the difference between corresponding frames of two clips
+// of one label. Clips are aligned in the directions (D x q) with the largest variance.
 Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const LearnedFrames& frames,
                                  const FrameMatrix& directions, const ParallelFor& parallel) {
   const Comparisons chosen = ChooseComparisons(parts.clips, frames);
   const std::vector<IndexPair>& pairs = chosen.clips;
   const std::size_t count = pairs.size();
-  const int apart = chosen.frames_apart;
+  const int stride = chosen.pair_stride;
   Scatter scatter = SumParts(directions.rows(), parallel, [&](int part, Scatter& sum) {
     int clip = -1;
     FrameMatrix observed;
-    FrameMatrix observed_along;
+    FrameMatrix observed_projected;
     for (std::size_t p = part * count / kParts; p < (part + 1) * count / kParts; ++p) {
       if (clip != pairs[p].observed) {
         clip = pairs[p].observed;
-        observed = frames.OfClip(clip);
-        observed_along = RowProduct(observed, directions);
+        observed = frames.ClipFrames(clip);
+        observed_projected = RowProduct(observed, directions);
       }
-      const FrameMatrix reference = frames.OfClip(pairs[p].reference);
-      const std::vector<IndexPair> like =
-          AlignFrames(observed_along, RowProduct(reference, directions), directions.rows());
-      FrameMatrix differences((std::ssize(like) + apart - 1) / apart, directions.rows());
+      const FrameMatrix reference = frames.ClipFrames(pairs[p].reference);
+      const std::vector<IndexPair> aligned =
+          AlignFrames(observed_projected, RowProduct(reference, directions), directions.rows());
+      FrameMatrix differences((std::ssize(aligned) + stride - 1) / stride, directions.rows());
       for (Eigen::Index i = 0; i < differences.rows(); ++i) {
-        const IndexPair& pair = like[i * apart];
+        const IndexPair& pair = aligned[i * stride];
         differences.row(i) = observed.row(pair.observed) - reference.row(pair.reference);
       }
       sum.Add(differences);
@@ -199,7 +199,7 @@ Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const LearnedFrames& f
   if (scatter.rows == 0) {
     scatter = SumParts(directions.rows(), parallel, [&](int part, Scatter& sum) {
       for (std::size_t c = part; c < parts.clips.size(); c += kParts) {
-        const FrameMatrix clip = frames.OfClip(static_cast<int>(c));
+        const FrameMatrix clip = frames.ClipFrames(static_cast<int>(c));
         sum.Add(clip.bottomRows(clip.rows() - 1) - clip.topRows(clip.rows() - 1));
       }
     });
@@ -216,29 +216,30 @@ MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& paralle
   metric.mean = frames.FindMean(parallel);
 
   const Eigen::MatrixXd all = frames.Covariance(parallel);
-  const Solver of_all(all);
+  const Solver all_solver(all);
   const Eigen::Index loadings = std::min(kLoadings, dimensions - 1);
-  const Eigen::VectorXd& variances = of_all.eigenvalues();  // ascending
+  const Eigen::VectorXd& variances = all_solver.eigenvalues();  // ascending
   metric.noise = std::max(variances.head(dimensions - loadings).mean(), kMinNoise);
   metric.loadings =
-      (of_all.eigenvectors().rightCols(loadings) *
+      (all_solver.eigenvectors().rightCols(loadings) *
        (variances.tail(loadings).array() - metric.noise).max(0).sqrt().matrix().asDiagonal())
           .cast<float>();
 
   const FrameMatrix directions =
-      of_all.eigenvectors().rightCols(std::min(kAligned, dimensions)).cast<float>();
+      all_solver.eigenvectors().rightCols(std::min(kAligned, dimensions)).cast<float>();
   Eigen::MatrixXd within = WithinBehaviours(parts, frames, directions, parallel);
   const double ridge =
       std::max(kShrinkage * within.trace() / static_cast<double>(dimensions), kMinVariance);
   within *= 1 - kShrinkage;
   within.diagonal().array() += ridge;
-  const Solver of_within(within);
+  const Solver within_solver(within);
   const Eigen::MatrixXd whitening =
-      of_within.eigenvectors() * of_within.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal();
-  const Solver of_whitened(whitening.transpose() * all * whitening);
+      within_solver.eigenvectors() *
+      within_solver.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal();
+  const Solver whitened_solver(whitening.transpose() * all * whitening);
   metric.whitening = whitening.cast<float>();
   metric.projection =
-      (whitening * of_whitened.eigenvectors().rightCols(std::min(kDirections, dimensions)))
+      (whitening * whitened_solver.eigenvectors().rightCols(std::min(kDirections, dimensions)))
           .cast<float>();
   return metric;
 }

@@ -18,7 +18,7 @@ struct MotionMetric {
   // in missing dimensions.
   FrameMatrix loadings;
   double noise = 0;  // variance
-  // D x D: differences within behaviours, multiplied by it, have equal variances.
+  // D x D: differences within behaviours, multiplied by this matrix, have equal variances.
   FrameMatrix whitening;
   // D x K: the 40 whitened directions with the largest variance of stored motion; used by
   // alignment.

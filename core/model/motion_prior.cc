@@ -152,7 +152,7 @@ MotionSums MotionSums::Over(const ModelParts& parts, const ParallelFor& parallel
   }
   sums.parts_.resize(kParts);
   const auto horizons = static_cast<Eigen::Index>(std::size(kHorizons));
-  // A mirror image adds the same products of even parts and of odd parts again.
+  // A mirror image has the same products within the even half and within the odd half.
   const float images = sides.empty() ? 1 : 2;
   parallel(kParts, [&](int part) {
     const auto first = [&](int p) { return (p * moments.size() + kParts - 1) / kParts; };

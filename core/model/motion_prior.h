@@ -57,9 +57,9 @@ class MotionSums {
   // The result does not depend on the number of threads. O(moments features^2).
   static MotionSums Over(const ModelParts& parts, const ParallelFor& parallel);
 
-  // Number of parts of the moments. Each can be left out, to test the prior on the rest.
+  // Parts into which the moments are split. Calibration fits without one part and tests on it.
   static constexpr int kParts = 4;
-  // Returns the part with most moments of a clip.
+  // Returns the part of the middle moment of a clip.
   int part_of_clip(int clip) const { return part_of_clip_[clip]; }
 
   MotionPrior Fit(int without_part = -1) const;

@@ -1,5 +1,5 @@
 // Pose history: the current pose and the poses every 0.04 s before, in the current reference frame,
-// in leg lengths. Prediction compares moments by it.
+// in leg lengths. Prediction compares moments by this history.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace motiondb::core {
 inline constexpr double kLagSeconds = 0.04;
 inline constexpr int kLags = 9;
 
-// Returns (1 + kLags) x 3 N_v, the current pose first.
+// Returns the history, (1 + kLags) x 3 N_v, the current pose first.
 FrameMatrix HistoryAt(const Track& track, int frame);
 
 // Returns the input of the motion prior, (1 + kLags) 3 N_v numbers: the pose with a small weight,

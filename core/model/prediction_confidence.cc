@@ -9,7 +9,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr double kMinValue = 1e-4;    // of evidence and errors, before the logarithm
-constexpr double kClampShare = 0.02;  // of samples beyond each clamp
+constexpr double kClampShare = 0.02;  // share of samples beyond each clamp
 constexpr double kRidge = 1e-3;       // for each sample; the evidence may be constant
 constexpr double kMinDeviation = 0.05;
 
@@ -26,7 +26,8 @@ Eigen::Vector4d Row(const ErrorModel& model, const PredictionEvidence& evidence)
   return row;
 }
 
-ExpectedError JudgeBy(const ErrorModel& model, const PredictionEvidence& evidence, double limit) {
+ExpectedError EstimateError(const ErrorModel& model, const PredictionEvidence& evidence,
+                            double limit) {
   const double middle =
       Row(model, evidence).dot(Eigen::Map<const Eigen::Vector4d>(model.coefficients.data()));
   const double below = (std::log(limit) - middle) / model.deviation;
@@ -42,12 +43,12 @@ ExpectedError PredictionConfidence::Judge(const PredictionEvidence& evidence, do
   const auto after = std::lower_bound(
       models.begin(), models.end(), at_seconds,
       [](const ErrorModel& model, double seconds) { return model.seconds < seconds - 1e-9; });
-  if (after == models.end()) return JudgeBy(models.back(), evidence, limit);
-  const ExpectedError late = JudgeBy(*after, evidence, limit);
+  if (after == models.end()) return EstimateError(models.back(), evidence, limit);
+  const ExpectedError late = EstimateError(*after, evidence, limit);
   if (after == models.begin()) return late;
   const ErrorModel& before = *(after - 1);
   const double share = (at_seconds - before.seconds) / (after->seconds - before.seconds);
-  const ExpectedError early = JudgeBy(before, evidence, limit);
+  const ExpectedError early = EstimateError(before, evidence, limit);
   return {early.mean + share * (late.mean - early.mean),
           early.probability + share * (late.probability - early.probability)};
 }
@@ -87,7 +88,8 @@ ErrorModel FitErrorModel(double seconds, const std::vector<ErrorSample>& samples
   model.deviation = std::max(kMinDeviation, std::sqrt(squares / std::max(1.0, count - 4)));
   fitted[0] += mean - fitted.tail<3>().dot(middle.tail<3>());
   std::copy(fitted.begin(), fitted.end(), model.coefficients.begin());
-  // Held-out clips are never as well known as stored ones: the model is extrapolated for these.
+  // Held-out clips have larger variances than stored ones, so the model extrapolates to smaller
+  // ones.
   if (fitted[1] > 0) model.lowest[0] = std::log(kMinValue);
   return model;
 }

@@ -26,14 +26,14 @@ struct ErrorModel {
 
 struct ExpectedError {
   double mean = 0;         // leg lengths
-  double probability = 0;  // that the error is below the limit
+  double probability = 0;  // probability that the error is below the limit
 };
 
 struct PredictionConfidence {
   std::vector<ErrorModel> models;  // horizons ascending; empty if there were too few samples
 
-  // Interpolated between horizons, constant outside them. Without error models: error 0 (unknown)
-  // and probability 1 - variance, not calibrated.
+  // Returns the expected error, interpolated between horizons and constant outside them. Without
+  // error models: error 0 (unknown) and probability 1 - variance, not calibrated.
   ExpectedError Judge(const PredictionEvidence& evidence, double at_seconds, double limit) const;
 };
 

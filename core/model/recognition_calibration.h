@@ -7,8 +7,8 @@
 
 namespace motiondb::core {
 
-// Successive frames are not independent, so the evidence of m frames is their sum times scale *
-// m^(power - 1): power 1 is the sum, power 0 the mean.
+// Successive frames are not independent, so the evidence of m frames is their sum times
+// scale * m^(power - 1). With scale 1, power 1 is the sum and power 0 the mean.
 struct EvidenceWeight {
   double scale = 1;
   double power = 1;
@@ -29,7 +29,7 @@ struct AnswerCalibration {
   }
 };
 
-// The default weights are typical ones, for models that are not calibrated.
+// The default weights are typical values, for models that are not calibrated.
 struct RecognitionCalibration {
   AnswerCalibration window{{0.07, 1}, {}};
   AnswerCalibration whole{{0.25, 0.25}, {}};

@@ -14,8 +14,7 @@ constexpr int kFramesOfClip = 16;
 constexpr double kMaxDeviation = 0.01;  // of a bone's length, leg lengths
 constexpr float kNoLength = 1e-6F;      // leg lengths
 
-// Returns the variance, within clips, of the distance between each two markers (leg lengths
-// squared).
+// Returns the variance within clips of the distance of each pair of markers (leg lengths squared).
 Eigen::MatrixXd DistanceVariances(const ModelParts& parts) {
   const Eigen::Index count = parts.marker_set.marker_count();
   Eigen::MatrixXd variances = Eigen::MatrixXd::Zero(count, count);
@@ -67,23 +66,23 @@ Eigen::RowVectorXf RigidTree::Restore(const Eigen::RowVectorXf& positions,
 RigidTree FindRigidTree(const ModelParts& parts) {
   const Eigen::MatrixXd variances = DistanceVariances(parts);
   const int count = parts.marker_set.marker_count();
-  // Prim's algorithm: the pair with the smallest variance next.
+  // Prim's algorithm.
   RigidTree tree;
   std::vector<int> parent(count, -1);
   std::vector<double> best(count, std::numeric_limits<double>::infinity());
-  std::vector<bool> taken(count, false);
+  std::vector<bool> is_connected(count, false);
   for (int next = std::max(0, parts.marker_set.landmarks.left_hip); next >= 0;) {
-    taken[next] = true;
+    is_connected[next] = true;
     tree.bones.push_back({next, best[next] <= kMaxDeviation * kMaxDeviation ? parent[next] : -1});
     for (int m = 0; m < count; ++m) {
-      if (!taken[m] && variances(m, next) < best[m]) {
+      if (!is_connected[m] && variances(m, next) < best[m]) {
         best[m] = variances(m, next);
         parent[m] = next;
       }
     }
     next = -1;
     for (int m = 0; m < count; ++m) {
-      if (!taken[m] && (next < 0 || best[m] < best[next])) next = m;
+      if (!is_connected[m] && (next < 0 || best[m] < best[next])) next = m;
     }
   }
   return tree;

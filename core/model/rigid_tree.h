@@ -14,7 +14,7 @@ struct RigidTree {
     int marker = 0;
     int parent = -1;  // an earlier marker at constant distance; -1: none
   };
-  std::vector<Bone> bones;  // every marker once, from the hips outward
+  std::vector<Bone> bones;  // one for each marker, from the hips outward
 
   // Returns the positions (3 N_v) with the given bone directions and the bone lengths of
   // `reference` (3 N_v).
@@ -22,8 +22,8 @@ struct RigidTree {
                              const Eigen::RowVectorXf& reference) const;
 };
 
-// Returns the tree of pairs whose distance varies least within the stored clips; pairs whose
-// distance varies noticeably are not connected.
+// Returns the minimum spanning tree by the variance of distances within the stored clips. Pairs
+// with a standard deviation above 0.01 leg lengths are not connected.
 RigidTree FindRigidTree(const ModelParts& parts);
 
 }  // namespace motiondb::core

@@ -13,8 +13,8 @@
 
 namespace motiondb::core {
 
-// Returns the capacity to reserve after `rows` rows. A model is rebuilt before so many frames are
-// added (ModelDrift). Unused capacity takes address space but no memory.
+// Returns the capacity to reserve after `rows` rows. A model is rebuilt before it adds more frames
+// than this (ModelDrift). Unused capacity needs address space but no memory.
 constexpr Eigen::Index RoomToGrow(Eigen::Index rows) { return rows / 8; }
 
 class SharedRows {
@@ -32,14 +32,13 @@ class SharedRows {
   auto middleRows(Eigen::Index first, Eigen::Index count) const {
     return view().middleRows(first, count);
   }
-  // Valid as long as this or an extension of it lives.
+  // Valid while this object or an extension of it exists.
   Eigen::Map<const FrameMatrix> view() const {
     return {memory_ == nullptr ? nullptr : memory_->rows.data(), rows(), cols()};
   }
 
-  // Returns these rows and `more` (same number of columns). Uses the capacity after these rows if
-  // it is large enough and unused; otherwise copies all rows with new capacity, so the amortized
-  // cost is that of the added rows.
+  // Returns these rows and `more` (same number of columns). Appends in place if enough capacity
+  // is unused; otherwise copies all rows with new capacity. Amortized O(added rows).
   SharedRows WithMore(FrameMatrix more) const {
     if (memory_ == nullptr) return SharedRows(std::move(more));
     SharedRows grown = *this;
@@ -57,7 +56,7 @@ class SharedRows {
 
  private:
   struct Memory {
-    Memory(FrameMatrix all, Eigen::Index taken) : rows(std::move(all)), used(taken) {}
+    Memory(FrameMatrix all, Eigen::Index used_rows) : rows(std::move(all)), used(used_rows) {}
     FrameMatrix rows;  // rows from `used` on are unused capacity
     std::atomic<Eigen::Index> used;
   };
@@ -65,16 +64,22 @@ class SharedRows {
   std::shared_ptr<Memory> memory_;
 };
 
+// Scales states (rows x dimensions) in place.
+inline void ScaleInPlace(const FeatureScale& scale, Eigen::Map<FrameMatrix> states,
+                         const ParallelFor& parallel) {
+  constexpr int kBlockRows = 1024;
+  const auto rows = static_cast<int>(states.rows());
+  parallel((rows + kBlockRows - 1) / kBlockRows, [&](int block) {
+    const int first = block * kBlockRows;
+    states.middleRows(first, std::min(kBlockRows, rows - first)).array().rowwise() /=
+        scale.divisor.array();
+  });
+}
+
 // Scales `states` (rows x dimensions) except for the last `room` rows, which are unused capacity.
 inline SharedRows ScaleRows(const FeatureScale& scale, FrameMatrix states, Eigen::Index room,
                             const ParallelFor& parallel) {
-  constexpr int kRowsAtOnce = 1024;
-  const auto rows = static_cast<int>(states.rows() - room);
-  parallel((rows + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
-    const int first = block * kRowsAtOnce;
-    states.middleRows(first, std::min(kRowsAtOnce, rows - first)).array().rowwise() /=
-        scale.divisor.array();
-  });
+  ScaleInPlace(scale, {states.data(), states.rows() - room, states.cols()}, parallel);
   return SharedRows(std::move(states), room);
 }
 

@@ -25,7 +25,7 @@ Track::Track(const StateSequence& observation)
       first_(0),
       count_(observation.frame_count()) {}
 
-Eigen::RowVectorXf Track::Whole(int from, int frame) const {
+Eigen::RowVectorXf Track::PoseAt(int from, int frame) const {
   const double turn = root_path_(frame, 2) - root_path_(from, 2);
   const double dx = (root_path_(frame, 0) - root_path_(from, 0)) / leg_length_m_;
   const double dy = (root_path_(frame, 1) - root_path_(from, 1)) / leg_length_m_;
@@ -47,12 +47,13 @@ Eigen::RowVectorXf Track::Whole(int from, int frame) const {
   return positions;
 }
 
-Eigen::RowVectorXf Track::SeenFrom(int from, double frames_on) const {
-  const double at = std::clamp(from + frames_on, static_cast<double>(first_), end() - 1.0);
-  const int before = static_cast<int>(std::floor(at + 1e-6));
-  const auto fraction = static_cast<float>(at - before);
-  if (fraction < 1e-5F) return Whole(from, before);
-  return (1 - fraction) * Whole(from, before) + fraction * Whole(from, before + 1);
+Eigen::RowVectorXf Track::SeenFrom(int from, double offset_frames) const {
+  const double position =
+      std::clamp(from + offset_frames, static_cast<double>(first_), end() - 1.0);
+  const int before = static_cast<int>(std::floor(position + 1e-6));
+  const auto fraction = static_cast<float>(position - before);
+  if (fraction < 1e-5F) return PoseAt(from, before);
+  return (1 - fraction) * PoseAt(from, before) + fraction * PoseAt(from, before + 1);
 }
 
 }  // namespace motiondb::core

@@ -22,14 +22,14 @@ class Track {
   int end() const { return first_ + count_; }
   double frame_rate_hz() const { return frame_rate_hz_; }
 
-  // Returns the marker positions (3 N_v, leg lengths) `frames_on` frames after frame `from`, in the
-  // reference frame of `from`. Interpolates between frames; constant before the first and after the
-  // last frame. NaN: missing marker.
-  Eigen::RowVectorXf SeenFrom(int from, double frames_on) const;
+  // Returns the marker positions (3 N_v, leg lengths) `offset_frames` frames after frame `from`, in
+  // the reference frame of `from`. Interpolates between frames; constant before the first and after
+  // the last frame. NaN: missing marker.
+  Eigen::RowVectorXf SeenFrom(int from, double offset_frames) const;
 
  private:
-  // As SeenFrom, for a whole frame number.
-  Eigen::RowVectorXf Whole(int from, int frame) const;
+  // As SeenFrom, for an integer frame.
+  Eigen::RowVectorXf PoseAt(int from, int frame) const;
 
   Eigen::Map<const FrameMatrix> states_;
   const RootPath& root_path_;

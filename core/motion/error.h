@@ -63,6 +63,18 @@ inline absl::Status WithReason(std::string_view reason, absl::Status status) {
   return status;
 }
 
+// Prefix of the type URL of a payload that holds one entry of google.rpc.ErrorInfo.metadata.
+inline constexpr std::string_view kMetadataUrl = "motiondb.metadata/";
+
+// Adds the resource name that a program needs to react to the error, for example the operation to
+// wait for. `key`: the kind of resource, in lower case.
+inline absl::Status WithResource(std::string_view key, std::string_view name, absl::Status status) {
+  if (!status.ok()) {
+    status.SetPayload(fmt::format("{}{}", kMetadataUrl, key), absl::Cord(std::string(name)));
+  }
+  return status;
+}
+
 // Returns INVALID_ARGUMENT "{field}: {description}" with the field name.
 inline absl::Status FieldViolation(std::string_view field, std::string_view description) {
   return AtField(field, InvalidArgument("{}: {}", field, description));

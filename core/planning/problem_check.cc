@@ -124,8 +124,10 @@ absl::Status CheckProblem(const Model& model, const PlanProblem& problem) {
   MOTIONDB_RETURN_IF_ERROR(
       CheckPositive("max_duration_seconds", problem.max_duration_seconds, kMaxMotionSeconds));
   MOTIONDB_RETURN_IF_ERROR(CheckNotNegative("effort", problem.effort));
-  MOTIONDB_RETURN_IF_ERROR(
-      CheckBetween("coarse_layer", problem.coarse_layer, 0, model.layer_count()));
+  if (problem.coarse_layer != 0) {
+    MOTIONDB_RETURN_IF_ERROR(
+        CheckBetween("coarse_layer", problem.coarse_layer, 1, model.layer_count()));
+  }
   MOTIONDB_RETURN_IF_ERROR(
       CheckBetween("alternative_count", problem.alternative_count, 0, kMaxAlternatives));
   MOTIONDB_RETURN_IF_ERROR(CheckFrames(problem, model.settings().frame_rate_hz));

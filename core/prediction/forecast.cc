@@ -19,8 +19,8 @@ namespace {
 
 // Chosen like the constants of pose_history.cc. The error hardly changes near these values.
 constexpr std::size_t kExamples = 64;
-constexpr int kMoments = 256;   // candidates, compared by their history; as many mirrored ones
-constexpr int kMinPool = 2048;  // stored frames from which they are chosen, if there are so many
+constexpr int kMoments = 256;   // candidates, compared by their history; also 256 mirror images
+constexpr int kMinPool = 2048;  // stored frames to choose from, if the model has enough
 constexpr double kKernelLength = 0.59;  // leg lengths
 constexpr double kNoise = 0.03;
 constexpr int kSpeedLags = 3;
@@ -89,7 +89,7 @@ const Eigen::RowVectorXf& Forecaster::FeaturesOf(std::size_t i) {
   return features;
 }
 
-void Forecaster::Weigh(double seconds) {
+void Forecaster::ChooseExamples(double seconds) {
   std::vector<std::size_t> chosen;
   const double frames = seconds * model_.settings().frame_rate_hz;
   const auto past =
@@ -120,7 +120,7 @@ Eigen::RowVectorXf Forecaster::Future(const StoredMoment& moment, double seconds
 }
 
 Forecast Forecaster::At(double seconds) {
-  Weigh(seconds);
+  ChooseExamples(seconds);
   // The Gaussian process predicts the error of the prior: the difference between an example's
   // displacement and the prior's prediction for it.
   Eigen::RowVectorXf displacement = Eigen::RowVectorXf::Zero(history_.cols());

@@ -45,19 +45,20 @@ struct Forecast {
 
 class Forecaster {
  public:
-  // `past` ends at the moment and has all markers. Examples are chosen from `moments`. `prior`:
-  // null for the model's. The model and `past` must outlive the forecaster.
+  // `past` ends at the moment and has no missing markers. Examples are chosen from `moments`. If
+  // `prior` is null, the prior of the model is used. The model and `past` must outlive this.
   Forecaster(const Model& model, const StateSequence& past, std::vector<StoredMoment> moments,
              const MotionPrior* prior = nullptr);
 
-  // Uses the examples whose clips continue for `seconds` (>= 0).
+  // Returns the forecast for `seconds` (>= 0) after the moment. Uses only examples whose clips
+  // continue that long.
   Forecast At(double seconds);
 
  private:
-  // Returns the inputs of the prior for one of moments_.
+  // Returns the inputs of the prior for moments_[i].
   const Eigen::RowVectorXf& FeaturesOf(std::size_t i);
   // Chooses and weights the nearest moments that are followed by `seconds` of motion.
-  void Weigh(double seconds);
+  void ChooseExamples(double seconds);
   // Returns the displacement of an example's markers (3 N_v, leg lengths).
   Eigen::RowVectorXf Future(const StoredMoment& moment, double seconds) const;
 
@@ -92,8 +93,8 @@ class NodeForecaster {
 
   // Returns the marker positions (3 N_v, leg lengths) after `seconds`, in the current reference
   // frame: the expected node mean, moved by the hips' mean velocities. `seconds` must not decrease
-  // from call to call. If no node has a successor, the distribution stays. If cancelled, returns
-  // early with an invalid result.
+  // from call to call. If no node has a successor, the distribution does not change. If
+  // cancelled, returns early with an invalid result.
   Eigen::RowVectorXf At(double seconds, const Cancelled& cancelled = {});
 
  private:

@@ -65,7 +65,7 @@ std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector
   return next;
 }
 
-// Returns the past with its missing markers filled in.
+// Returns `past` with its missing markers filled in.
 absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& search,
                                        const StateSequence& past, const FrameMatrix& scaled,
                                        const Cancelled& cancelled) {
@@ -95,7 +95,7 @@ PredictedFrame InWorld(const StateSequence& past, double seconds,
   return {.seconds = seconds, .marker_positions_m = WorldPositions(pose).row(0)};
 }
 
-// Predicts with the graph alone. There is no confidence: no error of this method was measured.
+// Predicts with the graph alone. Sets no confidence, because the error of this method is unknown.
 absl::Status PredictByNodes(const Model& model, const StateSequence& past,
                             const std::vector<NodeState>& now,
                             const std::vector<double>& horizon_seconds, const Cancelled& cancelled,
@@ -125,13 +125,14 @@ struct Moment {
 absl::StatusOr<Moment> MomentOf(const Model& model, const StateSequence& observation,
                                 const PredictOptions& options) {
   MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
-  if (observation.frame_count() == 0) return InvalidArgument("observation: has no frames");
+  if (observation.frame_count() == 0)
+    return InvalidArgument("observation: expected at least one frame");
   const double rate = observation.frame_rate_hz;
   const double end = (observation.frame_count() - 1) / rate;
   const double at = options.at_seconds.value_or(end);
   if (!(at >= 0 && at <= end + 1 / rate)) {
-    return FieldViolation("at_seconds", "expected 0 to {:.3f}, the observation's length, got {}",
-                          end, at);
+    return FieldViolation("at_seconds",
+                          "expected 0 to {:.3f} (last frame of the observation), got {}", end, at);
   }
   Moment moment;
   moment.frame = std::min(static_cast<int>(std::lround(at * rate)), observation.frame_count() - 1);
@@ -150,7 +151,7 @@ absl::StatusOr<PathSearch> Search(const Model& model, const Moment& moment,
   return FindNodePaths(model, moment.scaled, search, cancelled);
 }
 
-// Predicts from stored motion. `complete`: the past without gaps. `now`: its last nodes on the
+// Predicts from stored motion. `complete`: `past` with filled gaps. `now`: its last nodes on the
 // bottom layer; searched if empty.
 absl::StatusOr<std::vector<PredictedFrame>> PredictByExamples(
     const Model& model, const StateSequence& past, const StateSequence& complete,

@@ -21,7 +21,7 @@ struct PredictOptions {
   std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
   int layer = 0;
   double transition_floor = 1e-6;
-  FrameRange without;  // stored frames that are not used as examples, to test the method on them
+  FrameRange without;  // stored frames that are not used as examples, for held-out tests
 };
 
 // INVALID_ARGUMENT naming the field if an option is out of range.
@@ -35,7 +35,7 @@ struct NextNode {
 
 struct PredictedFrame {
   double seconds = 0;
-  Eigen::VectorXf marker_positions_m;  // 3 N_v, in the observation's world and size
+  Eigen::VectorXf marker_positions_m;  // 3 N_v, in world frame and size of the observation
   double confidence = 0;        // probability that the mean error of the markers is below 5 cm
   double expected_error_m = 0;  // mean over the markers; 0: unknown
 };
@@ -48,14 +48,14 @@ struct Prediction {
   std::vector<PredictedFrame> horizons;
 };
 
-// Predicts from one moment of an observation (not scaled; the model's markers and frame rate). Uses
-// only the `history_seconds` before the moment, which is rounded to a frame. INVALID_ARGUMENT if an
+// Predicts from one moment of an observation (not scaled; the model's markers and frame rate).
+// Rounds the moment to a frame. Uses only the `history_seconds` before it. INVALID_ARGUMENT if an
 // option is out of range or the moment is outside the observation; CANCELLED.
 absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& observation,
                                    const PredictOptions& options, const Cancelled& cancelled = {});
 
-// Returns only the horizons of Predict, for many predictions: faster, because it does not search
-// next nodes and their clips. Errors as Predict.
+// Returns only the horizons of Predict. Faster: with kBest it does not search next nodes and their
+// clips. Errors as Predict.
 absl::StatusOr<std::vector<PredictedFrame>> PredictFrames(const Model& model,
                                                           const StateSequence& observation,
                                                           const PredictOptions& options,

@@ -40,7 +40,7 @@ void DistancesOfRows(const float* rows, const float* squared_norms, int dimensio
   }
 }
 
-// Frames in kVectors vectors.
+// As SquaredDistances, for frames that fit in kVectors vectors.
 template <int kVectors>
 void DistancesOf(const float* rows, const float* squared_norms, int count, int dimensions,
                  const float* observed, const float* observed_norms, int frames, float* squared,
@@ -57,10 +57,10 @@ void DistancesOf(const float* rows, const float* squared_norms, int count, int d
   }
 }
 
-// Returns the sums of every eighth number.
+// As SquaredDistancesOfOne, for kRows rows. Each lane sums every eighth product.
 template <int kRows>
-void DistancesOfOneTo(const float* rows, const float* squared_norms, int dimensions,
-                      const float* observed, float observed_norm, float* squared) {
+void DistancesOfOneFrame(const float* rows, const float* squared_norms, int dimensions,
+                         const float* observed, float observed_norm, float* squared) {
   Floats lanes[kRows];
 #pragma GCC unroll 4
   for (int r = 0; r < kRows; ++r) lanes[r] = Floats{};
@@ -79,15 +79,15 @@ void DistancesOfOneTo(const float* rows, const float* squared_norms, int dimensi
   }
 }
 
-// Returns exp(x) for x <= 0, with x at least -80, to two units in the last place: 2^n exp(r), |r|
-// <= log(2) / 2, with the polynomial of Cephes' expf.
+// Returns exp(max(x, -80)) for x <= 0, with an error of at most two units in the last place.
+// Computes 2^n exp(r) with |r| <= log(2) / 2; exp(r) is the polynomial of Cephes' expf.
 Floats Exp(Floats x) {
   constexpr float kMinX = -80;
   constexpr float kLog2High = 0.693359375F;  // high + low = log(2); n * high is exact
   constexpr float kLog2Low = -2.12194440e-4F;
   const Floats min_x = Floats{} + kMinX;
   x = x > min_x ? x : min_x;
-  // The conversion rounds towards zero: up.
+  // The conversion rounds towards zero: up, because the number is negative.
   const auto n = __builtin_convertvector(x * 1.44269504F - 0.5F, Ints);
   const Floats whole = __builtin_convertvector(n, Floats);
   const Floats r = (x - whole * kLog2High) - whole * kLog2Low;
@@ -122,12 +122,12 @@ void SquaredDistancesOfOne(const float* rows, const float* squared_norms, int co
   constexpr int kRows = 4;
   int r = 0;
   for (; r + kRows <= count; r += kRows) {
-    DistancesOfOneTo<kRows>(rows + r * dimensions, squared_norms + r, dimensions, observed,
-                            observed_norm, squared + r);
+    DistancesOfOneFrame<kRows>(rows + r * dimensions, squared_norms + r, dimensions, observed,
+                               observed_norm, squared + r);
   }
   for (; r < count; ++r) {
-    DistancesOfOneTo<1>(rows + r * dimensions, squared_norms + r, dimensions, observed,
-                        observed_norm, squared + r);
+    DistancesOfOneFrame<1>(rows + r * dimensions, squared_norms + r, dimensions, observed,
+                           observed_norm, squared + r);
   }
 }
 
@@ -150,31 +150,31 @@ float Minimum(const float* numbers, int count) {
 
 MOTIONDB_WIDEST_VECTORS
 float Roots(const float* squared, int count, float nearest, float scale, float* roots) {
-  Floats greatest = Floats{} + nearest;
+  Floats maxima = Floats{} + nearest;
   int i = 0;
   for (; i + kFloats <= count; i += kFloats) {
     const Floats here = Load(squared + i);
-    greatest = here > greatest ? here : greatest;
+    maxima = here > maxima ? here : maxima;
     Store(Exp((nearest - here) * scale), roots + i);
   }
-  float of_all = nearest;
+  float maximum = nearest;
   for (int lane = 0; lane < kFloats; ++lane)
-    of_all = greatest[lane] > of_all ? greatest[lane] : of_all;
-  if (i == count) return of_all;
+    maximum = maxima[lane] > maximum ? maxima[lane] : maximum;
+  if (i == count) return maximum;
   float rest[kFloats] = {};
   for (int k = 0; i + k < count; ++k) {
     rest[k] = (nearest - squared[i + k]) * scale;
-    of_all = squared[i + k] > of_all ? squared[i + k] : of_all;
+    maximum = squared[i + k] > maximum ? squared[i + k] : maximum;
   }
   Store(Exp(Load(rest)), rest);
   for (int k = 0; i + k < count; ++k) roots[i + k] = rest[k];
-  return of_all;
+  return maximum;
 }
 
 MOTIONDB_WIDEST_VECTORS
 double Advance(const double* ending, const float* roots, int count, double stay, double go,
                double skip, double* next) {
-  Doubles sums = {};  // of every fourth number; added at the end
+  Doubles sums = {};  // one sum per lane; added at the end
   int z = 0;
   for (; z + kDoubles <= count; z += kDoubles) {
     Doubles density = Widened(LoadHalf(roots + z));

@@ -4,7 +4,7 @@
 
 namespace motiondb::core {
 
-// Number of observed frames in a block: one in each vector lane.
+// Number of observed frames in a block, one per vector lane.
 inline constexpr int kFrameLanes = 16;
 
 // Writes the squared distances of observed frames (at most kFrameLanes) from `rows` (count x
@@ -21,8 +21,8 @@ void SquaredDistancesOfOne(const float* rows, const float* squared_norms, int co
 // Returns the minimum of the numbers. REQUIRES: count >= 1, no NaN.
 float Minimum(const float* numbers, int count);
 
-// Writes exp((nearest - squared) * scale), at least exp(-80), to `roots` (count). `nearest` is the
-// minimum of `squared`, so the results are at most 1. Returns the maximum of `squared`.
+// Writes max(exp((nearest - squared) * scale), exp(-80)) to `roots` (count). `nearest`: the minimum
+// of `squared`, so the roots are at most 1. Returns the maximum of `squared`.
 float Roots(const float* squared, int count, float nearest, float scale, float* roots);
 
 // Computes next[z] = (stay ending[z + 2] + go ending[z + 1] + skip ending[z]) roots[z]^4 for z <

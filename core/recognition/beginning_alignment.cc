@@ -31,13 +31,13 @@ ComparedBeginnings FramesToCompare(const Beginnings& beginnings, int stride) {
 }
 
 // Position of a clip's result for a beginning.
-struct Place {
+struct ResultIndex {
   int beginning = 0;
   int rank = 0;  // index in the shortlist
 };
 
-// Squared whitened differences between observed and stored frames. A beginning has mostly the same
-// nearest frames as the previous one, so the differences are cached.
+// Squared whitened differences between observed and stored frames. Consecutive beginnings share
+// most nearest frames, so the squares are cached.
 class WhitenedSquares {
  public:
   WhitenedSquares(const Model& model, const FrameMatrix& shared_states)
@@ -46,8 +46,8 @@ class WhitenedSquares {
         frame_(shared_states.rows(), -1),
         squares_(shared_states.rows()) {}
 
-  // Returns the mean over the frames and dimensions of a beginning. `nearest`: of the shared
-  // frames, then of the newest frame.
+  // Returns the mean over the frames and dimensions of a beginning. `nearest`: stored frames
+  // nearest to the shared frames, then to the newest frame.
   double Mean(const std::vector<NearestFrame>& nearest,
               const Eigen::Ref<const Eigen::RowVectorXf>& newest) {
     const std::size_t shared = nearest.size() - 1;
@@ -79,26 +79,26 @@ class WhitenedSquares {
   std::vector<double> squares_;
 };
 
-// Aligns one clip after another with reused memory.
+// Aligns several clips; reuses its memory.
 class BeginningAligner {
  public:
   // A beginning consists of the first `shared_count` of the `shared` frames and its row of
-  // `newest`; ascending.
+  // `newest`. `shared_count` is ascending.
   BeginningAligner(const FrameMatrix& shared, const FrameMatrix& newest,
                    const std::vector<int>& shared_count)
       : shared_(shared), newest_(newest), shared_count_(shared_count) {}
 
-  // Writes the log evidence of the beginnings `wanted` (ascending, not empty) and updates their
-  // nearest frames.
-  void Align(const MetricFrames& stored, int clip, const std::vector<int>& wanted,
+  // Writes the log evidence of the beginnings `selected` (indices, ascending, not empty) and
+  // updates their nearest frames.
+  void Align(const MetricFrames& stored, int clip, const std::vector<int>& selected,
              std::vector<std::vector<NearestFrame>>& nearest, std::vector<double>& log_evidence) {
     ReadNewest(stored, clip);
     inexact_.clear();
     FollowPaths(
-        stored, clip, wanted,
+        stored, clip, selected,
         [&](PathSum& paths, const auto& distances, int frame) {
           const float minimum = Minimum(distances.data(), static_cast<int>(distances.size()));
-          for (const int b : wanted) {
+          for (const int b : selected) {
             if (frame < shared_count_[b])
               UpdateNearest(stored, clip, distances, minimum, nearest[b][frame]);
           }
@@ -143,21 +143,21 @@ class BeginningAligner {
   // Follows the paths along the shared frames; at the end of each beginning, a copy continues to
   // its newest frame.
   template <typename AddShared, typename AddNewest>
-  void FollowPaths(const MetricFrames& stored, int clip, const std::vector<int>& wanted,
+  void FollowPaths(const MetricFrames& stored, int clip, const std::vector<int>& selected,
                    const AddShared& add_shared, const AddNewest& add_newest,
                    std::vector<double>& log_evidence) {
     paths_.Begin(stored.rows.count(clip), true);
-    auto next = wanted.begin();
-    const auto end_beginnings = [&](int seen) {
-      for (; next != wanted.end() && shared_count_[*next] == seen; ++next) {
+    auto next = selected.begin();
+    const auto end_beginnings = [&](int frames_added) {
+      for (; next != selected.end() && shared_count_[*next] == frames_added; ++next) {
         ended_ = paths_;
         log_evidence[*next] = add_newest(ended_, newest_distances_.col(*next), *next);
       }
     };
     end_beginnings(0);
-    for (int block = 0; next != wanted.end(); ++block) {
+    for (int block = 0; next != selected.end(); ++block) {
       shared_.ComputeDistances(stored, clip, block, distances_);
-      for (int f = 0; f < shared_.CountOf(block) && next != wanted.end(); ++f) {
+      for (int f = 0; f < shared_.CountOf(block) && next != selected.end(); ++f) {
         const int frame = block * kFrameLanes + f;
         add_shared(paths_, distances_.col(f), frame);
         end_beginnings(frame + 1);
@@ -189,27 +189,27 @@ std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginning
 
   std::vector<WindowAlignment> alignments(count);
   std::vector<std::vector<NearestFrame>> nearest(count);
-  std::map<int, std::vector<Place>> places;  // of each clip, the shortest beginning first
+  std::map<int, std::vector<ResultIndex>> results;  // by clip, the shortest beginning first
   for (std::size_t b = 0; b < count; ++b) {
     FrameMatrix observed(shared_count[b] + 1, shared.cols());
     observed << shared.topRows(shared_count[b]), newest.row(static_cast<Eigen::Index>(b));
     alignments[b].frames = shared_count[b] + 1;
     nearest[b].assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
     for (const int clip : ShortlistClips(model, nullptr, observed, left_out)) {
-      places[clip].push_back({static_cast<int>(b), static_cast<int>(alignments[b].clips.size())});
+      results[clip].push_back({static_cast<int>(b), static_cast<int>(alignments[b].clips.size())});
       alignments[b].clips.push_back({clip, 0});
     }
   }
 
   BeginningAligner aligner(shared, newest, shared_count);
-  std::vector<int> wanted;
+  std::vector<int> selected;
   std::vector<double> log_evidence(count);
-  for (const auto& [clip, of_clip] : places) {
-    wanted.clear();
-    for (const Place& place : of_clip) wanted.push_back(place.beginning);
-    aligner.Align(model.metric_frames(), clip, wanted, nearest, log_evidence);
-    for (const Place& place : of_clip) {
-      alignments[place.beginning].clips[place.rank].log_evidence = log_evidence[place.beginning];
+  for (const auto& [clip, clip_results] : results) {
+    selected.clear();
+    for (const ResultIndex& result : clip_results) selected.push_back(result.beginning);
+    aligner.Align(model.metric_frames(), clip, selected, nearest, log_evidence);
+    for (const ResultIndex& result : clip_results) {
+      alignments[result.beginning].clips[result.rank].log_evidence = log_evidence[result.beginning];
     }
   }
 

@@ -1,5 +1,5 @@
 // Aligns several beginnings of one observation with stored clips in one pass. All frames of a
-// beginning except its newest are shared with the longer ones.
+// beginning except its newest are shared with longer beginnings.
 #pragma once
 
 #include <vector>

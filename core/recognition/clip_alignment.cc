@@ -13,18 +13,18 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr double kTemper = 3;  // variances are tripled, because other persons' frames differ more
-constexpr double kLateStart = 2;
+constexpr double kVarianceFactor = 3;  // factor of variances: frames of other subjects differ more
+constexpr double kLateStart = 2;       // cost of each strided frame before the start, if anchored
 constexpr Eigen::Index kMaxStep = 2;
 constexpr double kStay = 0.2;
 constexpr double kNext = 0.6;
 constexpr double kSkip = 0.2;
-constexpr double kMinArrival = 1e-290;  // relative to the most probable frame; less is ignored
+constexpr double kMinArrival = 1e-290;  // relative to the most probable frame; smaller sums are 0
 constexpr float kUnreached = std::numeric_limits<float>::max();
-constexpr double kMinLogRoot = -80;  // near the smallest float
-constexpr auto kRootScale = static_cast<float>(1 / (4 * 2 * kTemper));
+constexpr double kMinLogRoot = -80;  // its exp is near the smallest normal float
+constexpr auto kRootScale = static_cast<float>(1 / (4 * 2 * kVarianceFactor));
 const double kCutOff = std::exp(4 * kMinLogRoot);
-constexpr double kMaxBlur = 1e-30;
+constexpr double kMaxRaisedFraction = 1e-30;
 constexpr double kMinScale = 1e-150;
 
 // Returns the sums over the paths that arrive at each frame, from the sums over the paths that end
@@ -39,7 +39,7 @@ auto Arrivals(const Eigen::ArrayXd& ending, Eigen::Index count) {
 void PathSum::Begin(Eigen::Index count, bool anchored) {
   count_ = count;
   begun_ = false;
-  blur_ = 0;
+  raised_fraction_ = 0;
   log_sum_ = 0;
   scale_ = 1;
   ending_.setZero(kMaxStep + count);
@@ -58,50 +58,51 @@ void PathSum::AddFrame(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances
   const double reached = (arrival_ > kMinArrival).select(squared_distances, kUnreached).minCoeff();
   ending_.tail(count_) =
       (arrival_ > kMinArrival)
-          .select(arrival_ * ((reached - squared_distances.cast<double>()) / (2 * kTemper)).exp(),
+          .select(arrival_ *
+                      ((reached - squared_distances.cast<double>()) / (2 * kVarianceFactor)).exp(),
                   0.0);
   const double peak = ending_.maxCoeff();
   ending_ /= peak;
-  log_sum_ += std::log(peak) - reached / (2 * kTemper);
+  log_sum_ += std::log(peak) - reached / (2 * kVarianceFactor);
 }
 
 void PathSum::AddRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off) {
   double* const next = next_.data() + kMaxStep;
-  double before =
-      1;  // sums are relative to the previous one, so that they stay in the range of doubles
+  // Sums are relative to the previous sum, so they stay in the range of doubles.
+  double previous_sum = 1;
   if (begun_) {
     scale_ *= sum_;
     const double unit = 1 / sum_;
     sum_ = Advance(ending_.data(), roots.data(), static_cast<int>(count_), kStay * unit,
                    kNext * unit, kSkip * unit, next);
   } else {
-    before = arrival_.sum();
+    previous_sum = arrival_.sum();
     next_.tail(count_) = arrival_ * roots.cast<double>().square().square();
     sum_ = next_.sum();
   }
   begun_ = true;
   ending_.swap(next_);
-  log_sum_ -= nearest / (2 * kTemper);
+  log_sum_ -= nearest / (2 * kVarianceFactor);
   if (scale_ < kMinScale) log_sum_ += std::log(std::exchange(scale_, 1));
-  // The blurred part may have stayed while the sum decreased.
-  blur_ = ((cut_off ? kCutOff * before : 0) + blur_) / sum_;
+  // An upper bound: the part from raised roots may stay constant while the sum decreases.
+  raised_fraction_ = ((cut_off ? kCutOff * previous_sum : 0) + raised_fraction_) / sum_;
   if (!IsExact()) sum_ = 1;  // later results are invalid
 }
 
 bool PathSum::Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
                     Eigen::Ref<Eigen::ArrayXf> roots) {
-  const float greatest =
+  const float maximum =
       core::Roots(squared_distances.data(), static_cast<int>(squared_distances.size()), nearest,
                   kRootScale, roots.data());
-  return (nearest - greatest) * kRootScale < kMinLogRoot;
+  return (nearest - maximum) * kRootScale < kMinLogRoot;
 }
 
-bool PathSum::IsExact() const { return blur_ < kMaxBlur; }
+bool PathSum::IsExact() const { return raised_fraction_ < kMaxRaisedFraction; }
 
 double PathSum::LogEvidence() const { return log_sum_ + std::log(scale_ * ending_.sum()); }
 
 double PathSum::LogEvidenceBound(Eigen::Index count, double nearest_sum) {
-  return std::log(static_cast<double>(count)) - nearest_sum / (2 * kTemper);
+  return std::log(static_cast<double>(count)) - nearest_sum / (2 * kVarianceFactor);
 }
 
 namespace {

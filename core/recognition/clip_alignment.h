@@ -21,10 +21,10 @@ class PathSum {
   // Adds a frame with these squared distances (`count`) from the clip's frames.
   void AddFrame(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances);
 
-  // As AddFrame, faster, from the fourth roots (`count`) of the densities relative to that of the
-  // nearest frame, and the squared distance of the nearest frame. Roots of distant frames are
-  // raised to the smallest float in use. If this may change the sum, IsExact is false: use AddFrame
-  // instead.
+  // Faster form of AddFrame. `roots` (`count`): fourth roots of the densities, divided by the
+  // density of the nearest frame. `nearest`: squared distance of that frame. `cut_off`: the result
+  // of Roots, which raises small roots to exp(-80). If this may change the sum, IsExact returns
+  // false: begin again with AddFrame.
   void AddRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off = true);
   // Computes the roots. Returns whether some were raised.
   static bool Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
@@ -42,14 +42,15 @@ class PathSum {
   // range of doubles is large enough for paths that become probable late.
   Eigen::ArrayXd ending_;
   Eigen::ArrayXd arrival_;  // sums over the paths that arrive at each frame
-  Eigen::ArrayXd next_;     // as ending_
+  Eigen::ArrayXd next_;     // buffer for the next ending_
   Eigen::Index count_ = 0;
   bool begun_ = false;
   // The true sums are ending_ * exp(log_sum_) * scale_.
   double log_sum_ = 0;
   double scale_ = 1;
-  double sum_ = 1;   // of ending_, from roots
-  double blur_ = 0;  // upper bound of the fraction of the sum that comes from raised roots
+  double sum_ = 1;  // sum of ending_, computed by AddRoots
+  double raised_fraction_ =
+      0;  // upper bound of the fraction of the sum that comes from raised roots
 };
 
 class ThrottledCancellation;
@@ -92,14 +93,14 @@ struct ClipAlignment {
 };
 
 // Aligns an observation (frames x K, in the metric, at the stride of `stored`) with a clip. With
-// each observed frame the clip advances by 0, 1 or 2 strided frames with probability 0.2, 0.6, 0.2;
-// the log density of an observed frame z in the clip's frame z_j is -|z - z_j|^2 / 6. Sums over all
-// paths. A path may begin and end anywhere; if `anchored`, a begin at the j-th strided frame costs
-// 2 j. O(frames * frames * K).
+// each observed frame the clip advances by 0, 1 or 2 strided frames with probability 0.2, 0.6, 0.2.
+// The log density of an observed frame z in the clip's frame z_j is -|z - z_j|^2 / 6. Sums over all
+// paths. A path may start and end at any frame; if `anchored`, a start at the j-th strided frame
+// costs 2 j. O(observed frames * strided frames * K).
 ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,
                           bool anchored);
 
-// AlignToClip for one observation and one clip after another, with reused memory. Not thread-safe.
+// AlignToClip for one observation and several clips; reuses its memory. Not thread-safe.
 class ClipAligner {
  public:
   ClipAligner(const FrameMatrix& observed, bool anchored);

@@ -41,7 +41,8 @@ double WindowEmission::LogEvidence() const {
 
 namespace {
 
-// Returns the log probability that a clip's graph generates the window: eq. 7 with P_o for P_s.
+// Returns the log probability that a clip's graph generates the window: eq. 7 with P_o in place of
+// P_s.
 double ClipLogGeneration(const ClipGraph& graph, const EmissionMatrix& log_density,
                          const RecognizeOptions& options, const Cancelled& cancelled) {
   const auto states = static_cast<Eigen::Index>(graph.nodes.size());

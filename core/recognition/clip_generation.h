@@ -20,11 +20,11 @@ class WindowEmission {
   // observation must outlive this.
   WindowEmission(const Model& model, int layer, const FrameMatrix& observation, int frames);
 
-  // Moves to the frames [first, first + rows), in ascending order. If cancelled, returns early and
-  // the window is invalid.
+  // Moves the window to the frames [first, first + frames). `first` must not decrease from call to
+  // call. If cancelled, returns early; the window is then invalid.
   void MoveTo(int first, const Cancelled& cancelled = {});
 
-  // frames x nodes of the layer
+  // Shape: frames x nodes of the layer.
   const EmissionMatrix& log_density() const { return log_density_; }
 
   // Returns the sum over frames of log P(x): the denominator of eq. 8 with uniform P(k).

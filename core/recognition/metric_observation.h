@@ -1,5 +1,5 @@
 // An observation in the metric, for comparison with stored clips: gaps are filled in, markers that
-// are never seen are excluded. Immutable.
+// are never seen are excluded.
 #pragma once
 
 #include <memory>
@@ -27,7 +27,7 @@ struct MetricObservation {
   }
 };
 
-// Returns which of the frames [first, first + width) are compared: every stride-th, ending with the
+// Returns the compared frames of [first, first + width): every stride-th frame, ending with the
 // newest. If `from_start`: first, first + stride, ..., and the newest, so that a stored clip is
 // compared from its start.
 std::vector<int> ComparedFrames(int first, int width, int stride, bool from_start);
@@ -36,10 +36,11 @@ std::vector<int> ComparedFrames(int first, int width, int stride, bool from_star
 // covariances S within behaviours and T of all motion (motion_metric.h): the whitening G satisfies
 // G G^T = S_seen^-1, and the projection consists of the whitened directions with the largest
 // variance of T_seen, as given by the loadings. Both have a row for each dimension of a state, zero
-// for unseen dimensions, so that filled-in values do not count. The rest is unchanged. O(D^3).
+// for unseen dimensions, so filled-in values have no effect. Mean, loadings and noise are
+// unchanged. O(D^3).
 MotionMetric MetricOfSeen(const MotionMetric& metric, const std::vector<Eigen::Index>& seen);
 
-// Replaces the NaN of a scaled state (D) by their conditional mean under the metric's probabilistic
+// Replaces each NaN of a scaled state (D) by its conditional mean under the metric's probabilistic
 // PCA. With the seen dimensions o and the loadings L: h = (L_o^T L_o + noise I)^-1 L_o^T (x_o -
 // mean_o), x = mean + L h. O(q^2 D).
 void FillUnseen(const MotionMetric& metric, Eigen::Ref<Eigen::RowVectorXf> state);

@@ -15,13 +15,13 @@
 namespace motiondb::core {
 namespace {
 
-constexpr Eigen::Index kMaxCells = 1
-                                   << 26;  // frames of a window x nodes of the layer, 8 bytes each
+// Frames of a window x nodes of the layer; 8 bytes each.
+constexpr Eigen::Index kMaxCells = 1 << 26;
 
 constexpr std::int64_t kMaxScores = 1 << 23;  // about 40 bytes each
 
-// Checks the size of an answer: a score for each compared clip and each label of each window.
-absl::Status CheckAnswer(const Model& model, bool align, std::int64_t windows) {
+// Checks the number of scores: each window has one for each compared clip and each label.
+absl::Status CheckAnswerSize(const Model& model, bool align, std::int64_t windows) {
   const std::int64_t clips = std::ssize(model.clips());
   const std::int64_t labels = static_cast<std::int64_t>(Labels(model).size());
   const std::int64_t scores =
@@ -29,8 +29,8 @@ absl::Status CheckAnswer(const Model& model, bool align, std::int64_t windows) {
   if (windows * scores <= kMaxScores) return absl::OkStatus();
   return FieldViolation(
       "hop_seconds",
-      "{} windows of {} clips and labels each would take too much memory; ask for a "
-      "longer hop or about a shorter observation",
+      "{} windows of {} clips and labels each would need too much memory; use a longer "
+      "hop or a shorter observation",
       windows, scores);
 }
 
@@ -40,9 +40,9 @@ double FamiliarityByGraph(const Model& model, int layer, const WindowEmission& e
 }
 
 // Sets the window's scores by generation probability.
-absl::Status JudgeByPaper(const Model& model, const WindowEmission& emission,
-                          const RecognizeOptions& options, const Cancelled& cancelled,
-                          RecognizedWindow& window) {
+absl::Status ScoreByGeneration(const Model& model, const WindowEmission& emission,
+                               const RecognizeOptions& options, const Cancelled& cancelled,
+                               RecognizedWindow& window) {
   std::vector<int> clips(model.clips().size());
   std::iota(clips.begin(), clips.end(), 0);
   MOTIONDB_ASSIGN_OR_RETURN(
@@ -55,7 +55,7 @@ absl::Status JudgeByPaper(const Model& model, const WindowEmission& emission,
 
 // Sets the window's scores by alignment with the shortlisted clips. Does not set the familiarity if
 // the model is not calibrated.
-absl::Status JudgeByAlignment(const Model& model, const MetricObservation& observation,
+absl::Status ScoreByAlignment(const Model& model, const MetricObservation& observation,
                               const std::vector<int>& compared, bool whole,
                               const Cancelled& cancelled, RecognizedWindow& window) {
   MOTIONDB_ASSIGN_OR_RETURN(const WindowAlignment alignment,
@@ -107,8 +107,8 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
   const bool by_graph = !align || model.recognition().Of(options.whole).familiarity.empty();
   if (by_graph && static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells) {
     return FieldViolation("window_seconds",
-                          "a window of {} frames over the {} nodes of layer {} would take too much "
-                          "memory; ask for shorter windows or a higher layer",
+                          "a window of {} frames over the {} nodes of layer {} would need too much "
+                          "memory; use shorter windows or a higher layer",
                           width, model.tree().node_count(layer), layer);
   }
 
@@ -116,11 +116,11 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
   if (!align &&
       static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells / paths) {
     return FieldViolation("path_count",
-                          "{} paths of {} frames over the {} nodes of layer {} would take too much "
-                          "memory; ask for fewer paths, shorter windows or a higher layer",
+                          "{} paths of {} frames over the {} nodes of layer {} would need too much "
+                          "memory; use fewer paths, shorter windows or a higher layer",
                           paths, width, model.tree().node_count(layer), layer);
   }
-  MOTIONDB_RETURN_IF_ERROR(CheckAnswer(model, align, 1 + (frames - width) / hop));
+  MOTIONDB_RETURN_IF_ERROR(CheckAnswerSize(model, align, 1 + (frames - width) / hop));
 
   MetricObservation in_metric;
   if (align) {
@@ -137,12 +137,12 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
     if (by_graph) emission.MoveTo(first, cancelled);
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     if (align) {
-      MOTIONDB_RETURN_IF_ERROR(JudgeByAlignment(model, in_metric,
+      MOTIONDB_RETURN_IF_ERROR(ScoreByAlignment(model, in_metric,
                                                 ComparedFrames(first, width, stride, options.whole),
                                                 options.whole, cancelled, window));
       if (by_graph) window.familiarity = FamiliarityByGraph(model, layer, emission);
     } else {
-      MOTIONDB_RETURN_IF_ERROR(JudgeByPaper(model, emission, options, cancelled, window));
+      MOTIONDB_RETURN_IF_ERROR(ScoreByGeneration(model, emission, options, cancelled, window));
     }
   }
   return windows;

@@ -25,7 +25,7 @@ struct RecognizeOptions {
   int layer = 0;  // 0: the bottom layer
   double transition_floor = 1e-6;
   Generation generation = Generation::kExact;
-  int path_count = 5;  // with kTopPaths
+  int path_count = 5;  // of kTopPaths
 };
 
 // INVALID_ARGUMENT naming the field if an option is out of range.
@@ -33,9 +33,9 @@ absl::Status CheckOptions(const RecognizeOptions& options);
 
 struct ClipScore {
   int clip = 0;  // index into Model::clips()
-  // Natural logarithm of the probability that the clip generates the window. kPaper: that its graph
-  // does; -infinity if the strict rule allows no path. kBest: that its sequence of frames does, up
-  // to a constant of the window.
+  // Natural logarithm of the probability that the clip generates the window. kPaper: by the clip's
+  // graph; -infinity if transition_floor is 0 and no path exists. kBest: by the clip's sequence of
+  // frames, up to a constant that is the same for all clips of the window.
   double log_probability = 0;
 };
 

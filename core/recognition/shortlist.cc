@@ -28,24 +28,25 @@ NearClipFinder::NearClipFinder(const ClipIndex& index, int clip_count)
 void NearClipFinder::Find(const Eigen::Ref<const Eigen::RowVectorXf>& squared_distances,
                           std::vector<NearClip>& near) {
   near.clear();
-  const auto& to = squared_distances;
+  const auto& distance = squared_distances;
   const auto nodes = static_cast<int>(nodes_.size());
-  // The nearest nodes are at most as far as the farthest of the previous frame's nearest nodes.
-  float bound = to[nodes_[0]];
-  for (int n = 1; n < nodes; ++n) bound = std::max(bound, to[nodes_[n]]);
+  // Upper bound of their distances, from the nearest nodes of the previous frame.
+  float bound = distance[nodes_[0]];
+  for (int n = 1; n < nodes; ++n) bound = std::max(bound, distance[nodes_[n]]);
   std::vector<int> within;
   for (int node = 0; node < index_.node_count(); ++node) {
-    if (to[node] <= bound) within.push_back(node);
+    if (distance[node] <= bound) within.push_back(node);
   }
-  std::partial_sort(within.begin(), within.begin() + nodes, within.end(),
-                    [&](int a, int b) { return std::pair(to[a], a) < std::pair(to[b], b); });
+  std::partial_sort(within.begin(), within.begin() + nodes, within.end(), [&](int a, int b) {
+    return std::pair(distance[a], a) < std::pair(distance[b], b);
+  });
   std::copy_n(within.begin(), nodes, nodes_.begin());
-  const float furthest = to[nodes_[nodes - 1]];
+  const float max_distance = distance[nodes_[nodes - 1]];
   for (int n = 0; n < nodes; ++n) {
     for (const int clip : index_.clips(nodes_[n])) {
-      if (found_by_[clip] == frame_) continue;  // a nearer node has it
+      if (found_by_[clip] == frame_) continue;  // a nearer node has this clip
       found_by_[clip] = frame_;
-      near.push_back({clip, furthest - to[nodes_[n]]});
+      near.push_back({clip, max_distance - distance[nodes_[n]]});
     }
   }
   ++frame_;
@@ -69,7 +70,7 @@ std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
       shortlist.begin(), shortlist.begin() + static_cast<std::ptrdiff_t>(kept), shortlist.end(),
       [&](int a, int b) { return std::pair(-nearer_[a], a) < std::pair(-nearer_[b], b); });
   shortlist.resize(kept);
-  // A short list is filled up: comparing more clips costs little.
+  // Fill a short list with other clips: comparing more clips costs little.
   for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMaxShortlisted;
        ++clip) {
     if (!is_found_[clip] && (left_out.empty() || !left_out[clip])) shortlist.push_back(clip);

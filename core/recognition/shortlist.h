@@ -19,11 +19,11 @@ inline constexpr std::size_t kMaxShortlisted = 64;
 // Returns at most 64 clips, the nearest first. `observed`: frames x K, in the metric. The distance
 // of a clip is the mean, over at most 24 evenly spread frames, of the squared distance to the
 // nearest of its node means. Only the 64 nodes nearest to a frame are searched; a clip in none of
-// them has the distance of the 64th node. Noise increases all distances alike, so it does not
-// change the order. Clips with `left_out[clip]` are excluded; `left_out` may be empty. If at most
-// 64 clips remain, all are listed in their order, and the nodes are not searched. `own`: the
-// metric; null: the model's. Cost: independent of the number of clips, except for those found in
-// the searched nodes.
+// them gets the distance of the 64th node. Noise increases all distances by about the same amount,
+// so it hardly changes the order. Clips with `left_out[clip]` are excluded; `left_out` may be
+// empty. If at most 64 clips remain, all are listed in their order, and the nodes are not searched.
+// `own`: the metric; null: the metric of the model. Cost: independent of the number of clips,
+// except for those found in the searched nodes.
 std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
                                 const FrameMatrix& observed,
                                 const std::vector<bool>& left_out = {});
@@ -40,15 +40,15 @@ struct NearClip {
 // Returns whether a shortlist always has all of `clip_count` clips.
 bool ListsAll(int clip_count);
 
-// Returns which of `frames` frames are used, ascending.
+// Returns the indices of the searched frames among `frames` frames, ascending.
 std::vector<int> ShortlistFrames(int frames);
 
 class NearClipFinder {
  public:
-  // The index must outlive this.
+  // The index must outlive the finder.
   NearClipFinder(const ClipIndex& index, int clip_count);
-  // Replaces `near` by the clips of the nodes nearest to a frame. `squared_distances`: of the frame
-  // from the index's nodes.
+  // Replaces `near` by the clips of the nodes nearest to a frame. `squared_distances`: from the
+  // frame to each node of the index.
   void Find(const Eigen::Ref<const Eigen::RowVectorXf>& squared_distances,
             std::vector<NearClip>& near);
 
@@ -64,8 +64,8 @@ class ClipRanking {
   explicit ClipRanking(int clip_count) : nearer_(clip_count), is_found_(clip_count) {}
   // Adds the clips of one frame.
   void Add(const std::vector<NearClip>& near);
-  // Returns the shortlist of the added frames and clears this. Needs no frames if all clips are
-  // listed.
+  // Returns the shortlist of the added frames and clears the ranking. If all clips are listed
+  // (ListsAll), no frames need to be added.
   std::vector<int> TakeShortlist(const std::vector<bool>& left_out);
 
  private:

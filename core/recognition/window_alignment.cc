@@ -15,7 +15,7 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr double kMinDifference = 1e-12;  // of a stored frame from itself
+constexpr double kMinDifference = 1e-12;  // avoids log(0) if a frame is compared with itself
 
 double FamiliarityScore(const Model& model, const MetricObservation& observation,
                         const std::vector<int>& compared,
@@ -30,7 +30,7 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
                                  static_cast<double>(whitened.size()));
 }
 
-// Returns the strided frames of one clip in another metric than the model's.
+// Returns the strided frames of one clip, projected with `metric`.
 MetricFrames ProjectClip(const Model& model, const MotionMetric& metric, int clip) {
   const StridedFrames& all = model.metric_frames().rows;
   MetricFrames frames;
@@ -121,15 +121,15 @@ std::vector<double> LabelEvidence(const Model& model, const std::vector<std::str
                                   const std::vector<ClipEvidence>& clips) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   std::vector<double> evidence(labels.size(), kNone);
-  double poorest = -kNone;
+  double lowest = -kNone;
   for (const ClipEvidence& clip : clips) {
     const auto label =
         std::lower_bound(labels.begin(), labels.end(), model.clips()[clip.clip].label);
     double& of_label = evidence[static_cast<std::size_t>(label - labels.begin())];
     of_label = std::max(of_label, clip.log_evidence);
-    poorest = std::min(poorest, clip.log_evidence);
+    lowest = std::min(lowest, clip.log_evidence);
   }
-  std::replace(evidence.begin(), evidence.end(), kNone, poorest);
+  std::replace(evidence.begin(), evidence.end(), kNone, lowest);
   return evidence;
 }
 

@@ -48,8 +48,8 @@ std::vector<LabelScore> LabelsByGeneration(const Model& model, const std::vector
 // Returns the distinct labels of a model's clips, in alphabetical order.
 std::vector<std::string> Labels(const Model& model);
 
-// Returns the evidence of each label: that of its best aligned clip. A label without an aligned
-// clip gets the lowest evidence of the aligned clips, because the shortlist may be wrong.
+// Returns for each label the evidence of its best aligned clip. A label without an aligned clip
+// gets the lowest evidence of the aligned clips, because the shortlist may have missed it.
 std::vector<double> LabelEvidence(const Model& model, const std::vector<std::string>& labels,
                                   const std::vector<ClipEvidence>& clips);
 

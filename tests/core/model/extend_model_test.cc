@@ -40,7 +40,7 @@ TEST_CASE("ExtendModel: equals a model whose tree was built with the clips", "[c
   CHECK(model.clips()[13].first_frame == 13 * kFrames);
   CHECK(model.built_clip_count() == 12);
   CHECK(model.built_frame_count() == 12 * kFrames);
-  // Scaled by the base's scale, in the given order.
+  // The states are scaled by the scale of the base, in the given order.
   const auto added = Clips(12, 13);
   const Eigen::RowVectorXf seventh =
       added[0].states.states.row(7).cwiseQuotient(base.scale().divisor);
@@ -77,35 +77,36 @@ TEST_CASE("ExtendModel: equals a model whose tree was built with the clips", "[c
   CHECK(model.clip_index().clips(0).size() == recreated->clip_index().clips(0).size());
 }
 
-TEST_CASE("ExtendModel: adding clips one by one gives the same model", "[core][model]") {
+TEST_CASE("ExtendModel: the model does not depend on the number of extensions", "[core][model]") {
   const core::Model base = Built(12);
-  const core::Model at_once = Extended(base, 12, 14);
+  const core::Model in_one_step = Extended(base, 12, 14);
   const core::Model first = Extended(base, 12, 13);
   const core::Model second = Extended(first, 13, 14);
-  CHECK(second.states() == at_once.states());
-  CHECK(second.tree().frame_order() == at_once.tree().frame_order());
+  CHECK(second.states() == in_one_step.states());
+  CHECK(second.tree().frame_order() == in_one_step.tree().frame_order());
   CHECK(second.built_clip_count() == 12);
   for (int layer = 1; layer <= base.layer_count(); ++layer) {
-    CHECK(second.global_graph(layer).edges() == at_once.global_graph(layer).edges());
+    CHECK(second.global_graph(layer).edges() == in_one_step.global_graph(layer).edges());
   }
-  CHECK((second.gaussians().means() - at_once.gaussians().means()).cwiseAbs().maxCoeff() < 1e-5);
+  CHECK((second.gaussians().means() - in_one_step.gaussians().means()).cwiseAbs().maxCoeff() <
+        1e-5);
 }
 
 TEST_CASE("ExtendModel: does not change the base, also if it is extended twice", "[core][model]") {
   const core::Model base = Built(12);
   const core::FrameMatrix before = base.states();
-  const core::Model one = Extended(base, 12, 13);    // in memory that the base keeps room in
-  const core::Model other = Extended(base, 11, 12);  // the room is taken
-  const core::Model grown = Extended(one, 13, 14);   // there is no more room
+  const core::Model extended = Extended(base, 12, 13);  // uses the spare capacity of the base
+  const core::Model second_extended = Extended(base, 11, 12);     // the capacity is used
+  const core::Model extended_twice = Extended(extended, 13, 14);  // the capacity is too small
   CHECK(base.states() == before);
   CHECK(base.frame_count() == 12 * kFrames);
-  CHECK(one.states().data() == base.states().data());
-  CHECK(other.states().data() != base.states().data());
-  CHECK(grown.states().data() != one.states().data());
-  CHECK(one.states().topRows(12 * kFrames) == before);
-  CHECK(other.states().topRows(12 * kFrames) == before);
-  CHECK(grown.states().topRows(13 * kFrames) == one.states());
-  CHECK(one.states().bottomRows(kFrames) != other.states().bottomRows(kFrames));
+  CHECK(extended.states().data() == base.states().data());
+  CHECK(second_extended.states().data() != base.states().data());
+  CHECK(extended_twice.states().data() != extended.states().data());
+  CHECK(extended.states().topRows(12 * kFrames) == before);
+  CHECK(second_extended.states().topRows(12 * kFrames) == before);
+  CHECK(extended_twice.states().topRows(13 * kFrames) == extended.states());
+  CHECK(extended.states().bottomRows(kFrames) != second_extended.states().bottomRows(kFrames));
 }
 
 TEST_CASE("MeasureDrift: zero after a build, then the fraction of added frames", "[core][model]") {
@@ -113,12 +114,14 @@ TEST_CASE("MeasureDrift: zero after a build, then the fraction of added frames",
   CHECK(core::MeasureDrift(base, core::RunSerially).added == 0);
   CHECK(core::MeasureDrift(base, core::RunSerially).stale == 0);
   CHECK_FALSE(core::MeasureDrift(base, core::RunSerially).IsLarge());
-  const core::ModelDrift one = core::MeasureDrift(Extended(base, 12, 13), core::RunSerially);
-  CHECK(one.added == Approx(1.0 / 13));
-  const core::ModelDrift two = core::MeasureDrift(Extended(base, 12, 14), core::RunSerially);
-  CHECK(two.added == Approx(2.0 / 14));
-  CHECK(two.IsLarge());
-  CHECK(two.stale >= one.stale);
+  const core::ModelDrift drift_of_one =
+      core::MeasureDrift(Extended(base, 12, 13), core::RunSerially);
+  CHECK(drift_of_one.added == Approx(1.0 / 13));
+  const core::ModelDrift drift_of_two =
+      core::MeasureDrift(Extended(base, 12, 14), core::RunSerially);
+  CHECK(drift_of_two.added == Approx(2.0 / 14));
+  CHECK(drift_of_two.IsLarge());
+  CHECK(drift_of_two.stale >= drift_of_one.stale);
 }
 
 TEST_CASE("ExtendModel: rejects invalid input", "[core][model]") {
@@ -133,12 +136,12 @@ TEST_CASE("ExtendModel: rejects invalid input", "[core][model]") {
   auto nan = Clips(3, 4);
   nan[0].states.states(3, 3) = NAN;
   CHECK(code(nan) == absl::StatusCode::kInvalidArgument);
-  // As read from a store of an older version.
+  // A model that an older version stored.
   core::ModelParts parts = base.parts();
   parts.tree = *core::Tree::Create(parts.tree.frame_order(), parts.tree.branches());
-  const auto plain = core::Model::Create(std::move(parts));
-  REQUIRE(plain.ok());
-  CHECK(core::ExtendModel(*plain, Clips(3, 4), core::RunSerially).status().code() ==
+  const auto old_model = core::Model::Create(std::move(parts));
+  REQUIRE(old_model.ok());
+  CHECK(core::ExtendModel(*old_model, Clips(3, 4), core::RunSerially).status().code() ==
         absl::StatusCode::kFailedPrecondition);
 }
 

@@ -9,7 +9,7 @@ namespace motiondb::tests::familiarity_test {
 
 TEST_CASE("Familiarity: scores equal those computed from all nodes of all layers",
           "[core][model]") {
-  // Markers are few so that densities are alike in many nodes; 13 frames fill no block.
+  // With few markers, densities in many nodes are similar. 13 frames do not fill whole blocks.
   for (const int markers : {1, 3, 34}) {
     const core::Model model = SmallModel(3, 150, markers, 8, 5);
     std::vector<core::FrameRun> windows;
@@ -40,7 +40,8 @@ TEST_CASE("Familiarity: scores equal those computed from all nodes of all layers
   }
 }
 
-TEST_CASE("Familiarity: independent of the order of work; short clips count", "[core][model]") {
+TEST_CASE("Familiarity: independent of the execution order; a short clip is one window",
+          "[core][model]") {
   const core::Model model = SmallModel(3, 80, 4, 8, 5);
   const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
     for (int i = count; i-- > 0;) body(i);
@@ -50,9 +51,9 @@ TEST_CASE("Familiarity: independent of the order of work; short clips count", "[
     return core::MakeFamiliarityReference(clips, 24, model.states(), model.tree(),
                                           model.gaussians(), model.parts().global_graphs, parallel);
   };
-  const core::FamiliarityReference once = make(core::RunSerially);
-  CHECK(once.scores == make(backwards).scores);
-  CHECK(once.scores.front().size() == 57 + 1 + 1 + 131);
+  const core::FamiliarityReference serial = make(core::RunSerially);
+  CHECK(serial.scores == make(backwards).scores);
+  CHECK(serial.scores.front().size() == 57 + 1 + 1 + 131);
 }
 
 }  // namespace motiondb::tests::familiarity_test

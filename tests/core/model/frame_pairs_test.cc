@@ -23,16 +23,16 @@ double Cost(const core::FrameMatrix& observed, const core::FrameMatrix& referenc
 }
 
 // Returns the minimum cost of all paths from (i, j).
-double LeastFrom(const core::FrameMatrix& observed, const core::FrameMatrix& reference, int i,
-                 int j) {
+double MinCostFrom(const core::FrameMatrix& observed, const core::FrameMatrix& reference, int i,
+                   int j) {
   if (j >= reference.rows()) return std::numeric_limits<double>::infinity();
   const double here = Cost(observed, reference, i, j);
   if (i + 1 == observed.rows()) return here;
-  double least = std::numeric_limits<double>::infinity();
+  double min_cost = std::numeric_limits<double>::infinity();
   for (int step = 0; step <= 2; ++step) {
-    least = std::min(least, LeastFrom(observed, reference, i + 1, j + step));
+    min_cost = std::min(min_cost, MinCostFrom(observed, reference, i + 1, j + step));
   }
-  return here + least;
+  return here + min_cost;
 }
 
 }  // namespace
@@ -43,9 +43,10 @@ TEST_CASE("AlignFrames: finds the path with the lowest cost", "[core][model]") {
     const core::FrameMatrix observed = WanderingStates(6, dimensions, seed);
     const core::FrameMatrix reference =
         WanderingStates(3 + static_cast<int>(seed % 7), dimensions, seed + 100);
-    double least = std::numeric_limits<double>::infinity();
+    double min_cost = std::numeric_limits<double>::infinity();
     for (int start = 0; start < 4; ++start) {
-      least = std::min(least, 0.05 * dimensions * start + LeastFrom(observed, reference, 0, start));
+      min_cost = std::min(min_cost,
+                          0.05 * dimensions * start + MinCostFrom(observed, reference, 0, start));
     }
     const auto pairs = core::AlignFrames(observed, reference);
     REQUIRE(pairs.size() == 6);
@@ -58,7 +59,7 @@ TEST_CASE("AlignFrames: finds the path with the lowest cost", "[core][model]") {
       }
       cost += Cost(observed, reference, i, pairs[i].reference);
     }
-    CHECK(cost == Approx(least).epsilon(1e-4));
+    CHECK(cost == Approx(min_cost).epsilon(1e-4));
   }
 }
 

@@ -9,7 +9,7 @@
 namespace motiondb::tests::model_builder_test {
 namespace {
 
-void OnThreeThreads(int count, const std::function<void(int)>& body) {
+void RunOnThreeThreads(int count, const std::function<void(int)>& body) {
   std::vector<std::thread> threads;
   for (int first = 0; first < 3; ++first) {
     threads.emplace_back([=, &body] {
@@ -31,13 +31,13 @@ TEST_CASE("BuildModel: bitwise identical for any number of threads", "[core][mod
   const core::MarkerSet set = SmallMarkerSet(3);
   core::BuildSettings settings;
   settings.min_frames = 8;
-  const auto once =
+  const auto serial =
       core::BuildModel(settings, set, WanderingClips(5, 300, set, 1), core::RunSerially, {});
-  const auto again =
-      core::BuildModel(settings, set, WanderingClips(5, 300, set, 1), OnThreeThreads, {});
-  REQUIRE((once.ok() && again.ok()));
-  const core::ModelParts& a = once->parts();
-  const core::ModelParts& b = again->parts();
+  const auto parallel =
+      core::BuildModel(settings, set, WanderingClips(5, 300, set, 1), RunOnThreeThreads, {});
+  REQUIRE((serial.ok() && parallel.ok()));
+  const core::ModelParts& a = serial->parts();
+  const core::ModelParts& b = parallel->parts();
   CHECK(SameBytes(a.states.view(), b.states.view()));
   CHECK(SameBytes(a.gaussians.means(), b.gaussians.means()));
   CHECK(SameBytes(a.gaussians.variances(), b.gaussians.variances()));
@@ -48,7 +48,8 @@ TEST_CASE("BuildModel: bitwise identical for any number of threads", "[core][mod
   }
 }
 
-TEST_CASE("BuildModel: rows sum to 1, counts of clips sum to the global counts", "[core][model]") {
+TEST_CASE("BuildModel: probabilities sum to 1; clip counts sum to the global counts",
+          "[core][model]") {
   const core::Model model = SmallModel(5, 200, 3, 8, 2);
   for (int layer = 1; layer <= model.layer_count(); ++layer) {
     const core::TransitionGraph& global = model.global_graph(layer);
@@ -74,7 +75,7 @@ TEST_CASE("BuildModel: rows sum to 1, counts of clips sum to the global counts",
       if (global.row_sum(from) > 0) CHECK(sum == Approx(1));
     }
     CHECK(global_transitions == clip_transitions);
-    CHECK(global_transitions == 5 * 199);  // none across clips
+    CHECK(global_transitions == 5 * 199);  // no transition between clips
   }
 }
 
@@ -130,27 +131,27 @@ TEST_CASE("BuildModel: progress rises from 0 to 1", "[core][model]") {
 
 TEST_CASE("Model: rejects inconsistent parts", "[core][model]") {
   const core::Model model = SmallModel(3, 80, 2, 8, 3);
-  const auto refused = [&](const std::function<void(core::ModelParts&)>& damage) {
+  const auto is_rejected = [&](const std::function<void(core::ModelParts&)>& corrupt) {
     core::ModelParts parts = model.parts();
-    damage(parts);
+    corrupt(parts);
     return core::Model::Create(std::move(parts)).status().code() == absl::StatusCode::kDataLoss;
   };
-  CHECK_FALSE(refused([](core::ModelParts&) {}));
-  CHECK(refused(
+  CHECK_FALSE(is_rejected([](core::ModelParts&) {}));
+  CHECK(is_rejected(
       [](auto& p) { p.states = core::SharedRows(p.states.middleRows(0, p.states.rows() - 1)); }));
-  CHECK(refused([](auto& p) { p.clips.pop_back(); }));
-  CHECK(refused([](auto& p) { p.clips[1].first_frame += 1; }));
-  CHECK(refused([](auto& p) { p.scale.divisor[0] = 0; }));
-  CHECK(refused([](auto& p) { p.global_graphs.pop_back(); }));
-  CHECK(refused([](auto& p) { p.clip_graphs.pop_back(); }));
-  CHECK(refused([](auto& p) { p.clip_graphs.back() = nullptr; }));
-  CHECK(refused([](auto& p) { p.familiarity.scores.pop_back(); }));
-  CHECK(refused([](auto& p) {
+  CHECK(is_rejected([](auto& p) { p.clips.pop_back(); }));
+  CHECK(is_rejected([](auto& p) { p.clips[1].first_frame += 1; }));
+  CHECK(is_rejected([](auto& p) { p.scale.divisor[0] = 0; }));
+  CHECK(is_rejected([](auto& p) { p.global_graphs.pop_back(); }));
+  CHECK(is_rejected([](auto& p) { p.clip_graphs.pop_back(); }));
+  CHECK(is_rejected([](auto& p) { p.clip_graphs.back() = nullptr; }));
+  CHECK(is_rejected([](auto& p) { p.familiarity.scores.pop_back(); }));
+  CHECK(is_rejected([](auto& p) {
     core::ClipGraph graph = *p.clip_graphs.back();
     graph.nodes.back() = 10000;
     p.clip_graphs.back() = std::make_shared<const core::ClipGraph>(std::move(graph));
   }));
-  CHECK(refused([](auto& p) { p.built_clip_count = 4; }));
+  CHECK(is_rejected([](auto& p) { p.built_clip_count = 4; }));
 }
 
 }  // namespace motiondb::tests::model_builder_test

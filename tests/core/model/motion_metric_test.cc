@@ -10,12 +10,12 @@
 namespace motiondb::tests::motion_metric_test {
 namespace {
 
-// Uses other threads and another order.
-void Backwards(int count, const std::function<void(int)>& body) {
+// Runs the parts in reverse order.
+void RunBackwards(int count, const std::function<void(int)>& body) {
   for (int i = count - 1; i >= 0; --i) body(i);
 }
 
-// 0.8 W + 0.2 (tr W / D) I, straight from the pairs.
+// Returns 0.8 W + 0.2 (tr W / D) I, computed directly from the pairs.
 Eigen::MatrixXd WithinBehaviours(const core::Model& model) {
   const auto rows = core::StrideFrames(model.clips(), model.settings().frame_rate_hz);
   const auto frames_of = [&](int clip) -> core::FrameMatrix {
@@ -73,24 +73,25 @@ TEST_CASE("MotionMetric: separates behaviours that vary more than they differ", 
   std::vector<core::BuildInput> inputs = WanderingClips(16, 90, set, 9);
   for (std::size_t c = 0; c < inputs.size(); ++c) {
     core::FrameMatrix& states = inputs[c].states.states;
-    states = WanderingStates(90, set.dimension_count(),
-                             9);  // equal for all clips except for the following
+    states = WanderingStates(90, set.dimension_count(), 9);  // equal for all clips
+    // Then a large random offset in 18 dimensions, and a small one in 6 that depends on the label.
     for (Eigen::Index d = 0; d < 18; ++d) states.col(d).array() += 3 * normal(random);
     states.rightCols(6).array() += c % 2 == 0 ? 0.5F : -0.5F;
   }
   const auto model = core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
   REQUIRE(model.ok());
-  const auto right = [&](const core::FrameMatrix& frames) {
+  const auto count_correct = [&](const core::FrameMatrix& frames) {
     int count = 0;
-    const Eigen::Index each = frames.rows() / 16;
+    const Eigen::Index frames_per_clip = frames.rows() / 16;
     for (int c = 0; c < 16; ++c) {
-      double least = 1e30;
+      double min_distance = 1e30;
       int nearest = 0;
       for (int o = 0; o < 16; ++o) {
-        const double apart =
-            (frames.middleRows(c * each, each) - frames.middleRows(o * each, each)).squaredNorm();
-        if (o != c && apart < least) {
-          least = apart;
+        const double distance = (frames.middleRows(c * frames_per_clip, frames_per_clip) -
+                                 frames.middleRows(o * frames_per_clip, frames_per_clip))
+                                    .squaredNorm();
+        if (o != c && distance < min_distance) {
+          min_distance = distance;
           nearest = o;
         }
       }
@@ -98,13 +99,13 @@ TEST_CASE("MotionMetric: separates behaviours that vary more than they differ", 
     }
     return count;
   };
-  CHECK(right(model->states()) < 14);
-  CHECK(right(model->metric_frames().projected.view()) == 16);
+  CHECK(count_correct(model->states()) < 14);
+  CHECK(count_correct(model->metric_frames().projected.view()) == 16);
 }
 
-TEST_CASE("MotionMetric: independent of the order of work", "[core][model]") {
+TEST_CASE("MotionMetric: independent of the execution order", "[core][model]") {
   const core::Model model = SmallModel(6, 150, 5, 8, 2);
-  const core::MotionMetric again = core::FitMotionMetric(model.parts(), Backwards);
+  const core::MotionMetric again = core::FitMotionMetric(model.parts(), RunBackwards);
   CHECK(again.mean == model.metric().mean);
   CHECK(again.loadings == model.metric().loadings);
   CHECK(again.noise == model.metric().noise);

@@ -9,7 +9,7 @@
 namespace motiondb::tests::motion_prior_test {
 namespace {
 
-// Markers that swing like pendulums: their future is a linear function of their last movements.
+// Returns clips whose markers swing like pendulums. Their future is linear in their past.
 std::vector<core::BuildInput> Swinging(const core::MarkerSet& set, double phase) {
   auto inputs = WanderingClips(2, 400, set, 1);
   for (core::BuildInput& input : inputs) {
@@ -37,19 +37,20 @@ TEST_CASE("MotionPrior: finds a linear motion model", "[core][model]") {
   const core::Track track(unseen);
   for (const double seconds : {0.08, 0.2, 0.4}) {
     double squares = 0;
-    double still = 0;
+    double squares_without_prior = 0;
     for (int frame = 60; frame < 300; frame += 7) {
       const core::FrameMatrix history = core::HistoryAt(track, frame);
       const Eigen::RowVectorXf moved = track.SeenFrom(frame, seconds * 60) - history.row(0);
       squares += (model->prior().Displacement(core::MotionFeatures(history), seconds) - moved)
                      .squaredNorm();
-      still += moved.squaredNorm();
+      squares_without_prior += moved.squaredNorm();
     }
-    CHECK(squares < 0.1 * still);
+    CHECK(squares < 0.1 * squares_without_prior);
   }
 }
 
-TEST_CASE("MotionPrior: independent of the order of work; empty for short clips", "[core][model]") {
+TEST_CASE("MotionPrior: independent of the execution order; empty for short clips",
+          "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
     for (int i = count; i-- > 0;) body(i);
@@ -57,10 +58,10 @@ TEST_CASE("MotionPrior: independent of the order of work; empty for short clips"
   const auto model = core::BuildModel({}, set, Swinging(set, 0), core::RunSerially, {});
   const auto again = core::BuildModel({}, set, Swinging(set, 0), backwards, {});
   CHECK(model->prior().weights == again->prior().weights);
-  const auto brief =
+  const auto short_clips_model =
       core::BuildModel({}, set, WanderingClips(2, 60, set, 1), core::RunSerially, {});
-  CHECK(brief->prior().seconds.empty());
-  CHECK(brief->prior().Displacement(Eigen::RowVectorXf::Ones(120), 0.4).isZero());
+  CHECK(short_clips_model->prior().seconds.empty());
+  CHECK(short_clips_model->prior().Displacement(Eigen::RowVectorXf::Ones(120), 0.4).isZero());
 }
 
 // Regression test: Eigen divides by the size of an update, so an empty update crashed.

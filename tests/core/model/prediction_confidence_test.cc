@@ -7,7 +7,7 @@
 namespace motiondb::tests::prediction_confidence_test {
 namespace {
 
-// Errors of a known error model.
+// Returns samples with errors of a known error model.
 std::vector<core::ErrorSample> Samples(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -25,27 +25,29 @@ std::vector<core::ErrorSample> Samples(int count, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("PredictionConfidence: a fitted error model is right for new samples", "[core][model]") {
+TEST_CASE("PredictionConfidence: a fitted error model is calibrated on new samples",
+          "[core][model]") {
   core::PredictionConfidence confidence{{core::FitErrorModel(0.4, Samples(200, 1))}};
   const auto tests = Samples(4000, 2);
-  double said = 0;
-  double expected = 0;
-  double error = 0;
+  double sum_of_probabilities = 0;
+  double sum_of_means = 0;
+  double sum_of_errors = 0;
   int below = 0;
-  double off[10] = {};
+  double deviation[10] = {};
   for (const core::ErrorSample& test : tests) {
-    const core::ExpectedError judged = confidence.Judge(test.evidence, 0.4, 0.01);
-    said += judged.probability;
-    expected += judged.mean;
-    error += test.error;
+    const core::ExpectedError estimate = confidence.Judge(test.evidence, 0.4, 0.01);
+    sum_of_probabilities += estimate.probability;
+    sum_of_means += estimate.mean;
+    sum_of_errors += test.error;
     const bool is_below = test.error < 0.01;
     below += is_below;
-    off[std::min(9, static_cast<int>(10 * judged.probability))] += judged.probability - is_below;
+    deviation[std::min(9, static_cast<int>(10 * estimate.probability))] +=
+        estimate.probability - is_below;
   }
-  CHECK(expected / error == Approx(1).margin(0.1));
-  CHECK(said / below == Approx(1).margin(0.1));
+  CHECK(sum_of_means / sum_of_errors == Approx(1).margin(0.1));
+  CHECK(sum_of_probabilities / below == Approx(1).margin(0.1));
   double calibration_error = 0;
-  for (const double bin : off) calibration_error += std::abs(bin) / 4000;
+  for (const double bin : deviation) calibration_error += std::abs(bin) / 4000;
   CHECK(calibration_error < 0.05);
 }
 
@@ -67,23 +69,23 @@ TEST_CASE("PredictionConfidence: interpolates between horizons; uses the varianc
   CHECK(unknown.probability == Approx(0.9));
 }
 
-TEST_CASE("FitErrorModel: extrapolates to motion that is better known than any sample",
+TEST_CASE("FitErrorModel: extrapolates to a smaller variance than that of any sample",
           "[core][model]") {
   const core::PredictionConfidence confidence{{core::FitErrorModel(0.4, Samples(200, 1))}};
-  const double known = confidence.Judge({0.02, 0.05, 0.05}, 0.4, 0.01).mean;
-  const double stored = confidence.Judge({0.002, 0.05, 0.05}, 0.4, 0.01).mean;
-  CHECK(stored < 0.3 * known);
-  // No sample is so slow; this must have no effect.
+  const double error_at_small_variance = confidence.Judge({0.02, 0.05, 0.05}, 0.4, 0.01).mean;
+  const double error_at_smaller_variance = confidence.Judge({0.002, 0.05, 0.05}, 0.4, 0.01).mean;
+  CHECK(error_at_smaller_variance < 0.3 * error_at_small_variance);
+  // Both speeds are below those of all samples, so they are clamped to the same value.
   CHECK(confidence.Judge({0.02, 0.05, 1e-4}, 0.4, 0.01).mean ==
         confidence.Judge({0.02, 0.05, 2e-4}, 0.4, 0.01).mean);
 }
 
 TEST_CASE("FitErrorModel: accepts constant evidence", "[core][model]") {
-  const std::vector<core::ErrorSample> same(20, {{0.5, 0, 0}, 0.02});
-  const core::PredictionConfidence confidence{{core::FitErrorModel(0.4, same)}};
-  const core::ExpectedError judged = confidence.Judge({0.5, 0, 0}, 0.4, 0.1);
-  CHECK(judged.mean == Approx(0.02).epsilon(0.05));
-  CHECK(judged.probability > 0.99);
+  const std::vector<core::ErrorSample> constant_samples(20, {{0.5, 0, 0}, 0.02});
+  const core::PredictionConfidence confidence{{core::FitErrorModel(0.4, constant_samples)}};
+  const core::ExpectedError estimate = confidence.Judge({0.5, 0, 0}, 0.4, 0.1);
+  CHECK(estimate.mean == Approx(0.02).epsilon(0.05));
+  CHECK(estimate.probability > 0.99);
 }
 
 }  // namespace motiondb::tests::prediction_confidence_test

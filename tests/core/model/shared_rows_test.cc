@@ -25,11 +25,11 @@ TEST_CASE("SharedRows: appends rows without changing existing ones", "[core][mod
   const core::SharedRows grown = copied.WithMore(all.bottomRows(8));
   CHECK(grown.view().data() == copied.view().data());
   CHECK(grown.view() == all);
-  // The capacity is used: others get their own copy.
-  const core::FrameMatrix others = core::FrameMatrix::Constant(8, 3, 7);
-  const core::SharedRows apart = copied.WithMore(others);
-  CHECK(apart.view().data() != copied.view().data());
-  CHECK(apart.view().bottomRows(8) == others);
+  // The capacity is used, so another extension copies the rows.
+  const core::FrameMatrix other_rows = core::FrameMatrix::Constant(8, 3, 7);
+  const core::SharedRows second_copy = copied.WithMore(other_rows);
+  CHECK(second_copy.view().data() != copied.view().data());
+  CHECK(second_copy.view().bottomRows(8) == other_rows);
   CHECK(grown.view() == all);
   CHECK(copied.view() == all.topRows(82));
   CHECK(first.view() == all.topRows(80));

@@ -189,7 +189,7 @@ TEST_CASE("Predict: kPaper predicts node means along the graph", "[core][predict
     CHECK(prediction->horizons[h].seconds == options.horizon_seconds[h]);
     CHECK(prediction->horizons[h].confidence == 0);
   }
-  // Node means are only approximate.
+  // Node means only approximate the positions.
   const auto& now = prediction->horizons[2].marker_positions_m;
   CHECK((now.transpose() - world.row(150)).norm() < 1);
 }

@@ -10,7 +10,7 @@
 namespace motiondb::tests::alignment_loops_test {
 namespace {
 
-// Rows of a clip, observed frames in lanes, and the results of the loops.
+// Inputs of the loops: rows of a clip, and observed frames in lanes.
 struct Case {
   int count;
   int dimensions;
@@ -43,24 +43,25 @@ Eigen::VectorXf SquaredNorms(const core::FrameMatrix& rows) {
   return rows.cast<double>().rowwise().squaredNorm().cast<float>();
 }
 
-Results Run(const Case& of, float scale) {
-  const Eigen::VectorXf norms = SquaredNorms(of.rows);
-  const Eigen::VectorXf observed_norms = SquaredNorms(of.observed.transpose());
-  const Eigen::VectorXf one = of.observed.col(0);
+Results Run(const Case& inputs, float scale) {
+  const Eigen::VectorXf norms = SquaredNorms(inputs.rows);
+  const Eigen::VectorXf observed_norms = SquaredNorms(inputs.observed.transpose());
+  const Eigen::VectorXf one = inputs.observed.col(0);
   Results results;
-  results.squared.resize(of.frames, of.count);
-  core::SquaredDistances(of.rows.data(), norms.data(), of.count, of.dimensions, of.observed.data(),
-                         observed_norms.data(), of.frames, results.squared.data(), of.count);
-  results.squared_of_one.resize(of.count);
-  core::SquaredDistancesOfOne(of.rows.data(), norms.data(), of.count, of.dimensions, one.data(),
-                              observed_norms[0], results.squared_of_one.data());
-  results.minimum = core::Minimum(results.squared.data(), of.count);
-  results.roots.resize(of.count);
-  results.maximum =
-      core::Roots(results.squared.data(), of.count, results.minimum, scale, results.roots.data());
-  const Eigen::ArrayXd ending = Eigen::ArrayXd::LinSpaced(of.count + 2, 0.1, 1);
-  results.next.resize(of.count);
-  results.sum = core::Advance(ending.data(), results.roots.data(), of.count, 0.2, 0.6, 0.2,
+  results.squared.resize(inputs.frames, inputs.count);
+  core::SquaredDistances(inputs.rows.data(), norms.data(), inputs.count, inputs.dimensions,
+                         inputs.observed.data(), observed_norms.data(), inputs.frames,
+                         results.squared.data(), inputs.count);
+  results.squared_of_one.resize(inputs.count);
+  core::SquaredDistancesOfOne(inputs.rows.data(), norms.data(), inputs.count, inputs.dimensions,
+                              one.data(), observed_norms[0], results.squared_of_one.data());
+  results.minimum = core::Minimum(results.squared.data(), inputs.count);
+  results.roots.resize(inputs.count);
+  results.maximum = core::Roots(results.squared.data(), inputs.count, results.minimum, scale,
+                                results.roots.data());
+  const Eigen::ArrayXd ending = Eigen::ArrayXd::LinSpaced(inputs.count + 2, 0.1, 1);
+  results.next.resize(inputs.count);
+  results.sum = core::Advance(ending.data(), results.roots.data(), inputs.count, 0.2, 0.6, 0.2,
                               results.next.data());
   return results;
 }
@@ -86,18 +87,18 @@ TEST_CASE("Alignment loops: bitwise identical on all processors", "[core][recogn
   CHECK(digest.value() == 0x2cb10c0058930b03U);
 }
 
-TEST_CASE("Alignment loops: equal plain loops", "[core][recognition]") {
+TEST_CASE("Alignment loops: equal scalar loops", "[core][recognition]") {
   for (const int count : {1, 2, 3, 4, 5, 7, 8, 9, 12, 13, 31, 250}) {
     for (const int dimensions : {1, 2, 7, 8, 9, 39, 40}) {
       for (const int frames : {1, 2, 4, 5, 8, 9, 12, 13, 16}) {
         CAPTURE(count, dimensions, frames);
-        const Case of(count, dimensions, frames);
-        const float scale = frames % 2 == 0 ? 0.04F : 40.0F;  // the latter raises roots
-        const Results results = Run(of, scale);
+        const Case inputs(count, dimensions, frames);
+        const float scale = frames % 2 == 0 ? 0.04F : 40.0F;  // 40 raises roots to exp(-80)
+        const Results results = Run(inputs, scale);
 
         for (int f = 0; f < frames; ++f) {
           const Eigen::RowVectorXf expected =
-              (of.rows.rowwise() - of.observed.col(f).transpose()).rowwise().squaredNorm();
+              (inputs.rows.rowwise() - inputs.observed.col(f).transpose()).rowwise().squaredNorm();
           CHECK((results.squared.row(f) - expected).cwiseAbs().maxCoeff() < 1e-4F);
           if (f == 0) CHECK((results.squared_of_one - expected).cwiseAbs().maxCoeff() < 1e-4F);
         }

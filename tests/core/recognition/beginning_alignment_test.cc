@@ -10,7 +10,7 @@
 namespace motiondb::tests::beginning_alignment_test {
 namespace {
 
-// Beginnings whose newest frames differ a little, like one-sided velocities.
+// The newest frames differ slightly from the stored ones, as with one-sided velocities.
 core::Beginnings BeginningsOf(const core::Model& model, int clip, const std::vector<int>& lengths) {
   const core::ModelClip& stored = model.clips()[clip];
   core::Beginnings beginnings;
@@ -51,7 +51,7 @@ void CheckAgainstSeparate(const core::Model& model, const core::Beginnings& begi
 
 }  // namespace
 
-TEST_CASE("AlignBeginnings: equals the alignment of each beginning alone", "[core][recognition]") {
+TEST_CASE("AlignBeginnings: equals separate alignment of each beginning", "[core][recognition]") {
   const core::Model model = SmallModel(12, 150, 3, 8, 1);
   std::vector<bool> left_out(12);
   left_out[3] = left_out[7] = true;
@@ -60,12 +60,12 @@ TEST_CASE("AlignBeginnings: equals the alignment of each beginning alone", "[cor
   CheckAgainstSeparate(model, BeginningsOf(model, 0, {150}), left_out);
 }
 
-TEST_CASE("AlignBeginnings: beginnings with different shortlists", "[core][recognition]") {
+TEST_CASE("AlignBeginnings: uses the shortlist of each beginning", "[core][recognition]") {
   const core::Model model = SmallModel(90, 60, 3, 8, 2);  // a shortlist has 64
   CheckAgainstSeparate(model, BeginningsOf(model, 5, {6, 12, 24, 48, 60}), std::vector<bool>(90));
 }
 
-TEST_CASE("AlignBeginnings: with roots of densities that are raised", "[core][recognition]") {
+TEST_CASE("AlignBeginnings: equals separate alignment if roots are raised", "[core][recognition]") {
   const core::Model model = SmallModel(8, 120, 3, 8, 3);
   core::Beginnings far = BeginningsOf(model, 2, {10, 40, 80, 120});
   far.states *= 40;

@@ -50,10 +50,10 @@ TEST_CASE("AlignToClip: equals the sum over all paths", "[core][recognition]") {
       REQUIRE(alignment.nearest.size() == static_cast<std::size_t>(observed.rows()));
       for (int t = 0; t < observed.rows(); ++t) {
         Eigen::Index nearest = 0;
-        const float least =
+        const float minimum =
             (clip.rowwise() - observed.row(t)).rowwise().squaredNorm().minCoeff(&nearest);
         CHECK(alignment.nearest[t].frame == 2 * (3 + nearest));
-        CHECK(alignment.nearest[t].squared_distance == Approx(least).epsilon(1e-3).margin(1e-3));
+        CHECK(alignment.nearest[t].squared_distance == Approx(minimum).epsilon(1e-3).margin(1e-3));
       }
     }
   }

@@ -16,8 +16,7 @@ core::StateSequence Long(const core::Model& model, int frames) {
   return states;
 }
 
-TEST_CASE("Recognize: a window at each of very many frames is refused",
-          "[core][recognition][hostile]") {
+TEST_CASE("Recognize: refuses too many windows", "[core][recognition][hostile]") {
   const core::Model model = SmallModel(80, 20, 2, 8, 5);
   core::RecognizeOptions options;
   options.hop_seconds = 1e-9;
@@ -29,7 +28,7 @@ TEST_CASE("Recognize: a window at each of very many frames is refused",
   }
 }
 
-TEST_CASE("Recognize: many paths of long windows are refused", "[core][recognition][hostile]") {
+TEST_CASE("Recognize: refuses many paths of long windows", "[core][recognition][hostile]") {
   const core::Model model = SmallModel(3, 200, 2, 4, 5);
   core::RecognizeOptions options;
   options.method = core::Method::kPaper;
@@ -50,21 +49,21 @@ TEST_CASE("Recognize: can be cancelled within a clip", "[core][recognition][host
   options.whole = true;
   for (const core::Method method : {core::Method::kBest, core::Method::kPaper}) {
     options.method = method;
-    int asked = 0;
+    int polls = 0;
     const auto answer = core::Recognize(model, observation, options, [&] {
-      ++asked;
+      ++polls;
       return false;
     });
     REQUIRE(answer.ok());
     CAPTURE(method);
-    CHECK(asked > 4 * kClips);
-    const int in_all = asked;
-    for (int at = 1; at <= in_all; at += 1 + in_all / 8) {
-      asked = 0;
+    CHECK(polls > 4 * kClips);
+    const int poll_count = polls;
+    for (int at = 1; at <= poll_count; at += 1 + poll_count / 8) {
+      polls = 0;
       const auto ended =
-          core::Recognize(model, observation, options, [&] { return ++asked >= at; });
+          core::Recognize(model, observation, options, [&] { return ++polls >= at; });
       CHECK(ended.status().code() == absl::StatusCode::kCancelled);
-      CHECK(asked <= at + 1);
+      CHECK(polls <= at + 1);
     }
   }
 }

@@ -98,7 +98,7 @@ TEST_CASE("Recognize: a model without a metric uses kPaper", "[core][recognition
   }
 }
 
-TEST_CASE("Recognize: windows move by the hop, and each equals a query of its own",
+TEST_CASE("Recognize: windows move by the hop, and each equals a separate query",
           "[core][recognition]") {
   const core::Model model = SmallModel(4, 120, 3, 8, 31);
   const core::StateSequence clip = Clip(model, 1, 120);
@@ -132,8 +132,7 @@ TEST_CASE("Recognize: windows move by the hop, and each equals a query of its ow
   }
 }
 
-TEST_CASE("Recognize: recognizes a whole observation, also a short one, as one window",
-          "[core][recognition]") {
+TEST_CASE("Recognize: a whole observation or a short one is one window", "[core][recognition]") {
   const core::Model model = SmallModel(2, 100, 2, 8, 31);
   core::RecognizeOptions options;
   options.whole = true;

@@ -54,7 +54,7 @@ TEST_CASE("FillUnseen: equals the conditional mean of the Gaussian", "[core][rec
   }
 }
 
-TEST_CASE("FillUnseen: the mean if nothing is seen; unchanged if nothing is missing",
+TEST_CASE("FillUnseen: returns the mean if nothing is seen, the state if nothing is missing",
           "[core][recognition]") {
   const core::MotionMetric metric = SmallMetric();
   Eigen::RowVectorXf none = Eigen::RowVectorXf::Constant(12, std::nanf(""));

@@ -133,10 +133,19 @@ std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatab
 absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveDatabase& database) {
   if (auto snapshot = database.lifecycle().snapshot()) return snapshot;
   if (const std::string operation = database.lifecycle().operation(); !operation.empty()) {
-    return core::WithReason("MODEL_BUILDING",
-                            core::FailedPrecondition("database '{}' has no model yet; its first "
-                                                     "model is being built: wait for operations/{}",
-                                                     database.name(), operation));
+    return core::WithResource(
+        "operation", fmt::format("operations/{}", operation),
+        core::WithReason("MODEL_BUILDING",
+                         core::FailedPrecondition("database '{}' has no model yet; its first "
+                                                  "model is being built: wait for operations/{}",
+                                                  database.name(), operation)));
+  }
+  if (const auto clips = database.stored().clip_count; clips > 0) {
+    return core::WithReason(
+        "NO_MODEL", core::FailedPrecondition(
+                        "database '{}' has no model: the build for its {} clips failed or was "
+                        "cancelled; start it again (motiondb reprocess {})",
+                        database.name(), clips, database.name()));
   }
   return core::WithReason(
       "NO_MODEL",

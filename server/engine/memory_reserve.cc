@@ -100,8 +100,10 @@ absl::Status RefillMemoryReserve() {
   }
   if (!used && is_limited && !HasHeadroom()) ReleaseSlice();
   if (!used) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      "the server is out of memory: try again later, or send smaller requests");
+  return core::WithReason(
+      "OUT_OF_MEMORY",
+      absl::ResourceExhaustedError(
+          "the server is out of memory: try again later, or send smaller requests"));
 }
 
 }  // namespace motiondb::server

@@ -31,11 +31,12 @@ absl::StatusOr<PlanBody> StoredBody(const std::string& id, Engine& engine,
                                     const std::string& database) {
   auto skeleton = engine.skeletons().Get(database, id);
   if (absl::IsNotFound(skeleton.status())) {
-    return FieldViolation("skeleton", "database '{}' has no skeleton '{}': {}", database, id,
-                          KnownSkeletons(engine, database));
+    return core::WithReason("SKELETON_NOT_FOUND",
+                            FieldViolation("skeleton", "database '{}' has no skeleton '{}': {}",
+                                           database, id, KnownSkeletons(engine, database)));
   }
   if (!skeleton.ok()) return skeleton.status();
-  return PlanBody{.skeleton = *std::move(skeleton)};
+  return PlanBody{.skeleton = *std::move(skeleton), .skeleton_id = id};
 }
 
 absl::StatusOr<PlanBody> RobotBody(const core::SourceFile& urdf) {
@@ -55,7 +56,7 @@ absl::StatusOr<PlanBody> BodyOfClip(const std::string& clip, Engine& engine,
   if (!record.ok()) return record.status();
   if (record->skeleton_id.empty()) return PlanBody{};
   MOTIONDB_ASSIGN_OR_RETURN(auto skeleton, engine.skeletons().Get(database, record->skeleton_id));
-  return PlanBody{.skeleton = std::move(skeleton)};
+  return PlanBody{.skeleton = std::move(skeleton), .skeleton_id = record->skeleton_id};
 }
 
 }  // namespace

@@ -23,9 +23,22 @@ absl::Status CheckSearchTime(double seconds) {
 // Maps core's error to the request field that caused it.
 absl::Status AtStart(const core::PlanStart& start, const absl::Status& status) {
   const std::string message(status.message());
-  if (absl::IsNotFound(status)) return core::FieldViolation("clip_start.clip", message);
+  if (absl::IsNotFound(status)) {
+    return core::WithReason("CLIP_NOT_FOUND", core::FieldViolation("clip_start.clip", message));
+  }
   if (absl::IsOutOfRange(status)) return core::FieldViolation("clip_start.seconds", message);
   return start.observation ? core::AtField("observation_start", status) : status;
+}
+
+// Adds the fields that determine the memory of a plan to the error of a reservation.
+absl::Status WithLimits(const absl::Status& status) {
+  if (!absl::IsResourceExhausted(status)) return status;
+  absl::Status named = absl::ResourceExhaustedError(
+      fmt::format("{} (reduce max_duration_seconds, frame_rate_hz or alternative_count)",
+                  std::string(status.message())));
+  status.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { named.SetPayload(url, payload); });
+  return named;
 }
 
 }  // namespace
@@ -56,7 +69,7 @@ absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& 
 absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(PreparedPlan plan, PreparePlan(query, request));
   const WorkOptions& terms = query.terms();
-  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(BytesToPlan(query.model(), plan.problem)));
+  MOTIONDB_RETURN_IF_ERROR(WithLimits(terms.Reserve(BytesToPlan(query.model(), plan.problem))));
   SearchClock clock(request.max_search_seconds, terms.deadline);
   const core::PlanControl control{.cancelled = terms.cancelled,
                                   .time_up = [&] { return clock.time_up(); },
@@ -64,7 +77,8 @@ absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& reque
   PlanResult result;
   MOTIONDB_ASSIGN_OR_RETURN(result.answer,
                             core::PlanMotion(query.model(), *plan.scheme, plan.problem, control));
-  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(BytesOfPlan(result.answer, request.with_files)));
+  MOTIONDB_RETURN_IF_ERROR(
+      WithLimits(terms.Reserve(BytesOfPlan(result.answer, request.with_files))));
   result.body = std::move(plan.body);
   result.search_seconds = clock.search_seconds();
   result.total_seconds = clock.total_seconds();

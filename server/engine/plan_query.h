@@ -32,6 +32,7 @@ struct PlanRequest {
 
 struct PlanBody {
   std::shared_ptr<const core::Skeleton> skeleton;  // null: bare markers
+  std::string skeleton_id;                         // empty: not stored
   bool is_robot = false;
   std::vector<core::MimicJoint> mimics;  // of a robot
 };

@@ -19,19 +19,18 @@ constexpr char kAuditEntries[] = "audit entries";
 
 absl::Status CreateToken(const Call& call, const v1::CreateTokenRequest& request,
                          v1::CreateTokenResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const NewTokenSpec wanted, ParseCreateToken(request));
+  const std::int64_t now_us = NowMicroseconds();
+  MOTIONDB_ASSIGN_OR_RETURN(const NewTokenSpec wanted, ParseCreateToken(request, now_us));
   if (!wanted.database.empty()) {
     MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(wanted.database).status());
   }
-  const std::int64_t now_us = NowMicroseconds();
-  const std::int64_t expire_time_us = wanted.ttl_us == 0 ? 0 : now_us + wanted.ttl_us;
   const auto audit = [&](const storage::TokenRecord& token) {
     return call.entry.AuditRecordForChange(TokenName(token.id));
   };
   MOTIONDB_ASSIGN_OR_RETURN(
       const CreatedToken made,
       call.entry.access().tokens().Make(wanted.role, wanted.database, wanted.description, now_us,
-                                        expire_time_us, audit, call.cancelled));
+                                        wanted.expire_time_us, audit, call.cancelled));
   SetToken(made.record, *response.mutable_token());
   response.set_secret(made.secret);
   return absl::OkStatus();

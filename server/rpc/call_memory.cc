@@ -34,10 +34,12 @@ std::int64_t CallMemory::reserved() const {
 
 absl::Status CallMemory::Change(const std::string& client, std::int64_t from, std::int64_t to) {
   if (to > client_limit_) {
-    return absl::ResourceExhaustedError(
-        fmt::format("the call needs {:.1f} MiB of memory, more than the {:.1f} MiB for one client "
-                    "(half of --message-memory-mib): send or request less",
-                    Mebibytes(to), Mebibytes(client_limit_)));
+    return core::WithReason(
+        "CALL_TOO_LARGE",
+        absl::ResourceExhaustedError(fmt::format(
+            "the call needs {:.1f} MiB of memory, more than the {:.1f} MiB for one client "
+            "(half of --message-memory-mib): send or request less",
+            Mebibytes(to), Mebibytes(client_limit_))));
   }
   const storage::MutexLock lock(mutex_);
   const std::int64_t increase = to - from;

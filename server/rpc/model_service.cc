@@ -104,8 +104,9 @@ absl::StatusOr<int> ClipIndex(const std::string& name, const ModelId& id,
   const auto& clips = snapshot.model.clips();
   const auto found = std::ranges::find(clips, clip.id, &core::ModelClip::id);
   if (found == clips.end()) {
-    return core::NotFound("clip '{}' is not in model {} of database '{}'", clip.id,
-                          snapshot.record.version, id.database);
+    return core::WithReason("CLIP_NOT_FOUND",
+                            core::NotFound("clip '{}' is not in model {} of database '{}'", clip.id,
+                                           snapshot.record.version, id.database));
   }
   return static_cast<int>(found - clips.begin());
 }

@@ -75,6 +75,12 @@ absl::StatusOr<Caller> AccessControl::Authenticate(const PeerCredentials& creden
 absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
                                               const std::string& address) {
   const std::string bearer = BearerOf(authorization);
+  if (bearer.empty()) {
+    return Fail("no bearer token", address,
+                core::WithReason("TOKEN_INVALID",
+                                 absl::UnauthenticatedError(
+                                     "expected the header `authorization: Bearer {token}`")));
+  }
   std::shared_ptr<const KnownToken> token = FindAdminToken(bearer);
   if (token == nullptr) token = tokens_.FindInMemory(bearer);
   if (token == nullptr) {

@@ -104,6 +104,9 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
   message.set_outcome(ToProto(answer.outcome));
   message.set_missing(text::ValidUtf8(answer.missing));
   message.set_leg_length_m(answer.leg_length_m);
+  if (!plan.body.skeleton_id.empty()) {
+    message.set_skeleton(SkeletonName(database, plan.body.skeleton_id));
+  }
   v1::SearchEffort& effort = *message.mutable_effort();
   effort.set_expansions(answer.effort.expansions);
   effort.set_improvements(answer.effort.improvements);

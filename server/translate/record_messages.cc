@@ -274,8 +274,11 @@ void SetOperation(const storage::OperationRecord& record, v1::Operation& message
       message.mutable_rebuild()->set_model(model);
     }
   } else if (record.done()) {
-    message.mutable_error()->set_code(record.error_code);
-    message.mutable_error()->set_message(text::SafeText(record.error_message));
+    const bool cancelled = record.state == storage::OperationState::kCancelled;
+    message.mutable_error()->set_code(cancelled ? static_cast<int>(absl::StatusCode::kCancelled)
+                                                : record.error_code);
+    message.mutable_error()->set_message(cancelled ? "cancelled on request"
+                                                   : text::SafeText(record.error_message));
   }
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
   SetTimestamp(record.update_time_us, *message.mutable_update_time());
@@ -322,9 +325,24 @@ absl::StatusOr<std::int64_t> TtlFrom(const google::protobuf::Duration& ttl) {
   return ttl.seconds() * 1'000'000 + ttl.nanos() / 1000;
 }
 
+absl::StatusOr<std::int64_t> ExpireTimeFrom(const google::protobuf::Timestamp& time,
+                                            std::int64_t now_us) {
+  const std::int64_t now_seconds = now_us / 1'000'000;
+  const bool valid = time.seconds() > now_seconds &&
+                     time.seconds() <= now_seconds + kMaxTtlSeconds && time.nanos() >= 0 &&
+                     time.nanos() <= 999'999'999;
+  if (!valid) {
+    return FieldViolation("token.expire_time",
+                          "expected a time from the next second to 100 years from now, got {} s",
+                          time.seconds());
+  }
+  return time.seconds() * 1'000'000 + time.nanos() / 1000;
+}
+
 }  // namespace
 
-absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& request) {
+absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& request,
+                                              std::int64_t now_us) {
   NewTokenSpec wanted;
   const v1::Token& token = request.token();
   MOTIONDB_ASSIGN_OR_RETURN(wanted.role, RoleFrom(token.role()));
@@ -333,7 +351,13 @@ absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& requ
                               ParseDatabaseName("token.database", token.database()));
   }
   if (request.has_ttl()) {
-    MOTIONDB_ASSIGN_OR_RETURN(wanted.ttl_us, TtlFrom(request.ttl()));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t ttl_us, TtlFrom(request.ttl()));
+    wanted.expire_time_us = now_us + ttl_us;
+  }
+  if (token.has_expire_time()) {
+    if (request.has_ttl())
+      return FieldViolation("ttl", "expected ttl or token.expire_time, got both");
+    MOTIONDB_ASSIGN_OR_RETURN(wanted.expire_time_us, ExpireTimeFrom(token.expire_time(), now_us));
   }
   MOTIONDB_RETURN_IF_ERROR(
       CheckPlainText("token.description", token.description(), kMaxDescriptionBytes));

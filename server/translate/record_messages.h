@@ -78,11 +78,13 @@ struct NewTokenSpec {
   storage::Role role = storage::Role::kReader;
   std::string database;  // id; empty: all
   std::string description;
-  std::int64_t ttl_us = 0;  // 0: never expires
+  std::int64_t expire_time_us = 0;  // since the Unix epoch; 0: never
 };
 
-// Returns INVALID_ARGUMENT with the field.
-absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& request);
+// `now_us`: current time, microseconds since the Unix epoch. Returns INVALID_ARGUMENT with the
+// field.
+absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& request,
+                                              std::int64_t now_us);
 
 void SetToken(const storage::TokenRecord& record, v1::Token& message);
 void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);

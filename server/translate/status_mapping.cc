@@ -74,9 +74,7 @@ void AddFieldViolation(const absl::Status& status, const std::string& field, v1:
 
 constexpr char kErrorInfoUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
 
-void AddErrorInfo(std::string reason, v1::Status& details) {
-  v1::ErrorInfo info;
-  info.set_reason(std::move(reason));
+void AddErrorInfo(v1::ErrorInfo info, v1::Status& details) {
   info.set_domain("motiondb");
   google::protobuf::Any& detail = *details.add_details();
   detail.set_type_url(kErrorInfoUrl);
@@ -91,6 +89,21 @@ std::string ReasonOf(const absl::Status& status) {
   return absl::StatusCodeToString(status.code());
 }
 
+bool IsMetadata(absl::string_view url) {
+  return std::string_view(url.data(), url.size()).starts_with(core::kMetadataUrl);
+}
+
+v1::ErrorInfo ErrorInfoOf(const absl::Status& status) {
+  v1::ErrorInfo info;
+  info.set_reason(ReasonOf(status));
+  status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
+    if (!IsMetadata(url)) return;
+    url.remove_prefix(core::kMetadataUrl.size());
+    (*info.mutable_metadata())[std::string(url)] = std::string(payload);
+  });
+  return info;
+}
+
 }  // namespace
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {
@@ -99,9 +112,9 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   details.set_code(ToGrpcCode(status.code()));
   details.set_message(
       text::ValidUtf8(text::SafeText(std::string(status.message())), kMessageLimit));
-  AddErrorInfo(ReasonOf(status), details);
+  AddErrorInfo(ErrorInfoOf(status), details);
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
-    if (url == core::kReasonUrl) return;
+    if (url == core::kReasonUrl || IsMetadata(url)) return;
     if (url == core::kFieldUrl) return AddFieldViolation(status, std::string(payload), details);
     google::protobuf::Any& detail = *details.add_details();
     detail.set_type_url(std::string(url));
@@ -125,8 +138,9 @@ grpc::Status WithRequestInfo(const grpc::Status& error, const std::string& reque
   if (error.error_details().empty() || !details.ParseFromString(error.error_details())) {
     details.set_code(error.error_code());
     details.set_message(error.error_message());
-    AddErrorInfo(absl::StatusCodeToString(static_cast<absl::StatusCode>(error.error_code())),
-                 details);
+    v1::ErrorInfo info;
+    info.set_reason(absl::StatusCodeToString(static_cast<absl::StatusCode>(error.error_code())));
+    AddErrorInfo(std::move(info), details);
   }
   v1::RequestInfo info;
   info.set_request_id(request_id);

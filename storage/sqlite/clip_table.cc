@@ -95,6 +95,10 @@ absl::StatusOr<std::int64_t> SkeletonOf(Connection& connection, std::int64_t cli
   return row.Integer(0);
 }
 
+std::string ClipResource(const std::string& database, const std::string& clip) {
+  return fmt::format("databases/{}/clips/{}", database, clip);
+}
+
 // Returns the id for a new clip. ALREADY_EXISTS: see MotionStore::AddClip.
 absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t database_key,
                                      const NewClip& clip) {
@@ -104,10 +108,12 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
       database_key, record.content_hash);
   MOTIONDB_ASSIGN_OR_RETURN(const bool stored, alike.Step());
   if (stored) {
-    return core::WithReason(
-        "MOTION_EXISTS", absl::AlreadyExistsError(
+    return core::WithResource(
+        "clip", ClipResource(record.database, alike.Text(0)),
+        core::WithReason("MOTION_EXISTS",
+                         absl::AlreadyExistsError(
                              fmt::format("database '{}' already has the same motion as clip '{}'",
-                                         record.database, alike.Text(0))));
+                                         record.database, alike.Text(0)))));
   }
   MOTIONDB_ASSIGN_OR_RETURN(
       std::string free,
@@ -115,9 +121,11 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
                    "SELECT 1 FROM clip WHERE database_key = ? AND id = ? AND deleted = 0",
                    database_key, record.id));
   if (clip.id_is_fixed && free != record.id) {
-    return core::WithReason("CLIP_EXISTS", absl::AlreadyExistsError(fmt::format(
-                                               "database '{}' already has another clip '{}'",
-                                               record.database, record.id)));
+    return core::WithResource(
+        "clip", ClipResource(record.database, record.id),
+        core::WithReason("CLIP_EXISTS", absl::AlreadyExistsError(fmt::format(
+                                            "database '{}' already has another clip '{}'",
+                                            record.database, record.id))));
   }
   return free;
 }

@@ -6,6 +6,7 @@
 
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/database.pb.h"
+#include "motiondb/v1/model.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "tests/support/test_server.h"
 
@@ -118,7 +119,15 @@ TEST_CASE("OperationService: cancels, and refuses with a reason if it cannot", "
   cancel.set_name(held.operation);
   CHECK(Ask(*held.stub, &Stub::CancelOperation, cancel).status.ok());
   held.server.gate().Open();
-  CHECK(held.server.Wait(held.operation).state() == v1::OPERATION_STATE_CANCELLED);
+  const v1::Operation ended = held.server.Wait(held.operation);
+  CHECK(ended.state() == v1::OPERATION_STATE_CANCELLED);
+  CHECK(ended.error().code() == static_cast<int>(grpc::StatusCode::CANCELLED));
+  v1::GetModelRequest get;
+  get.set_name("databases/db/models/current");
+  const auto no_model =
+      Ask(*held.server.NewStub<v1::ModelService>(), &v1::ModelService::Stub::GetModel, get).status;
+  CHECK(ReasonOf(no_model) == "NO_MODEL");
+  CHECK_THAT(no_model.error_message(), Catch::Contains("motiondb reprocess db"));
   CHECK(IsDone(Ask(*held.stub, &Stub::CancelOperation, cancel).response.operation()));
   cancel.set_name("operations/none");
   CHECK(Ask(*held.stub, &Stub::CancelOperation, cancel).status.error_code() ==

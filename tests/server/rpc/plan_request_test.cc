@@ -170,6 +170,7 @@ TEST_CASE("Plan: plays with a stored skeleton", "[server][rpc][plan]") {
   INFO(answer.status.error_message());
   REQUIRE(answer.status.ok());
   CHECK(answer.response.motion().dof_names_size() == stored.skeletons(0).dof_count());
+  CHECK(answer.response.skeleton() == name);
   for (const char* wrong :
        {"databases/db/skeletons/none", "databases/other/skeletons/Hips", "Hips"}) {
     request.set_skeleton(wrong);
@@ -179,8 +180,12 @@ TEST_CASE("Plan: plays with a stored skeleton", "[server][rpc][plan]") {
     CHECK(ViolatedFields(refused) == "skeleton");
   }
   request.set_skeleton("databases/db/skeletons/none");
-  CHECK_THAT(AskPlan(PlanServer(), request).status.error_message(),
-             Contains(name.substr(name.rfind('/') + 1)));
+  const auto unknown = AskPlan(PlanServer(), request).status;
+  CHECK_THAT(unknown.error_message(), Contains(name.substr(name.rfind('/') + 1)));
+  CHECK(ReasonOf(unknown) == "SKELETON_NOT_FOUND");
+  request.clear_body();
+  request.mutable_clip_start()->set_clip("databases/db/clips/none");
+  CHECK(ReasonOf(AskPlan(PlanServer(), request).status) == "CLIP_NOT_FOUND");
 }
 
 TEST_CASE("Plan: plays with a robot at its own size", "[server][rpc][plan]") {
@@ -193,6 +198,7 @@ TEST_CASE("Plan: plays with a robot at its own size", "[server][rpc][plan]") {
   REQUIRE(answer.status.ok());
   CHECK(answer.response.leg_length_m() == Approx(0.41).margin(0.001));
   const v1::PlannedMotion& motion = answer.response.motion();
+  CHECK(answer.response.skeleton().empty());
   REQUIRE(motion.dof_names_size() == 6 + 9);
   CHECK(motion.dof_names(5) == "Hips.rx");
   CHECK(motion.dof_names(6) == "LeftUpLeg");

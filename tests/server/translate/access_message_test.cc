@@ -6,6 +6,8 @@
 namespace motiondb::tests::access_message_test {
 namespace {
 
+constexpr std::int64_t kNow_us = 1'700'000'000'000'000;
+
 TEST_CASE("NewTokenSpec: is read from a request", "[server]") {
   v1::CreateTokenRequest request;
   request.mutable_token()->set_role(v1::ROLE_ADMIN);
@@ -13,26 +15,41 @@ TEST_CASE("NewTokenSpec: is read from a request", "[server]") {
   request.mutable_token()->set_description("for tests");
   request.mutable_ttl()->set_seconds(2);
   request.mutable_ttl()->set_nanos(500'000'000);
-  const auto wanted = server::ParseCreateToken(request);
+  const auto wanted = server::ParseCreateToken(request, kNow_us);
   REQUIRE(wanted.ok());
   CHECK(wanted->role == storage::Role::kAdmin);
   CHECK(wanted->database == "walks");
   CHECK(wanted->description == "for tests");
-  CHECK(wanted->ttl_us == 2'500'000);
+  CHECK(wanted->expire_time_us == kNow_us + 2'500'000);
   request.clear_ttl();
-  CHECK(server::ParseCreateToken(request)->ttl_us == 0);
+  CHECK(server::ParseCreateToken(request, kNow_us)->expire_time_us == 0);
   request.mutable_ttl()->set_nanos(1'000'000'000);
-  CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request).status()));
+  CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request, kNow_us).status()));
   request.clear_ttl();
   for (const std::string& text :
        {std::string("\x1b[31mred"), std::string("two\nlines"), std::string(201, 'x')}) {
     request.mutable_token()->set_description(text);
-    CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request).status()));
+    CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request, kNow_us).status()));
   }
   request.mutable_token()->clear_description();
-  REQUIRE(server::ParseCreateToken(request).ok());
+  REQUIRE(server::ParseCreateToken(request, kNow_us).ok());
   request.mutable_token()->set_role(static_cast<v1::Role>(9));
-  CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request).status()));
+  CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request, kNow_us).status()));
+}
+
+TEST_CASE("NewTokenSpec: a token expires at the requested time", "[server]") {
+  v1::CreateTokenRequest request;
+  request.mutable_token()->set_role(v1::ROLE_READER);
+  request.mutable_token()->mutable_expire_time()->set_seconds(kNow_us / 1'000'000 + 60);
+  CHECK(server::ParseCreateToken(request, kNow_us)->expire_time_us == kNow_us + 60'000'000);
+  request.mutable_ttl()->set_seconds(2);
+  CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request, kNow_us).status()));
+  request.clear_ttl();
+  const std::int64_t century = std::int64_t{101} * 366 * 24 * 3600;
+  for (const std::int64_t seconds : {std::int64_t{-1}, std::int64_t{0}, century}) {
+    request.mutable_token()->mutable_expire_time()->set_seconds(kNow_us / 1'000'000 + seconds);
+    CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request, kNow_us).status()));
+  }
 }
 
 TEST_CASE("AuditEntry: texts of a refused caller have no control characters", "[server]") {

@@ -32,6 +32,21 @@ TEST_CASE("StatusMapping: the reason of an error travels as google.rpc.ErrorInfo
   CHECK(ReasonIn(WithRequestInfo({grpc::StatusCode::UNAVAILABLE, "gone"}, "1")) == "UNAVAILABLE");
 }
 
+TEST_CASE("StatusMapping: resource names become metadata of google.rpc.ErrorInfo",
+          "[server][translate]") {
+  const grpc::Status mapped = ToGrpcStatus(core::WithResource(
+      "operation", "operations/7", core::WithReason("MODEL_BUILDING", absl::UnknownError("x"))));
+  v1::Status details;
+  REQUIRE(details.ParseFromString(mapped.error_details()));
+  REQUIRE(details.details_size() == 1);
+  v1::ErrorInfo info;
+  REQUIRE(info.ParseFromString(details.details(0).value()));
+  CHECK(info.reason() == "MODEL_BUILDING");
+  REQUIRE(info.metadata_size() == 1);
+  CHECK(info.metadata().at("operation") == "operations/7");
+  CHECK(core::WithResource("clip", "x", absl::OkStatus()).ok());
+}
+
 TEST_CASE("StatusMapping: every canonical code keeps its number", "[server][translate]") {
   for (int code = 0; code <= 16; ++code) {
     const absl::Status status(static_cast<absl::StatusCode>(code), "why");

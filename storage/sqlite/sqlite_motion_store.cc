@@ -2,85 +2,22 @@
 
 #include <algorithm>
 #include <span>
-#include <type_traits>
 #include <utility>
 
 #include "core/model/model.h"
 #include "core/motion/error.h"
-#include "storage/read_scope.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
-#include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/deleted_databases.h"
-#include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/model_table.h"
 #include "storage/sqlite/operation_table.h"
 #include "storage/sqlite/put_model.h"
 #include "storage/sqlite/skeleton_table.h"
-#include "storage/sqlite/sqlite_backup.h"
-#include "storage/sqlite/sqlite_restore.h"
-#include "storage/sqlite/sqlite_verifier.h"
-#include "storage/sqlite/store_file.h"
+#include "storage/sqlite/sqlite_motion_store_work.h"
 #include "storage/sqlite/token_table.h"
-#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
-namespace {
-
-absl::StatusOr<std::int64_t> StoreBytes(Connection& connection) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto pages, connection.QueryInteger("PRAGMA page_count"));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, connection.QueryInteger("PRAGMA page_size"));
-  return pages * page_bytes;
-}
-
-}  // namespace
-
-template <typename Work>
-auto SqliteMotionStore::Write(Priority priority, const Work& work, const core::Cancelled& cancelled,
-                              Added added) {
-  using Result = std::invoke_result_t<Work, Connection&>;
-  if (absl::Status writable = CheckIsWritable(); !writable.ok()) return Result(std::move(writable));
-  Result written = writer_->Run(priority, cancelled,
-                                [&](Connection& writer) { return Transact(writer, added, work); });
-  write_health_.Note(StatusOf(written));
-  return written;
-}
-
-template <typename Work>
-auto SqliteMotionStore::WriteWith(const WriteOptions& terms, const Work& work, Added added,
-                                  Priority priority) {
-  const auto write = [&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
-    auto result = work(connection);
-    if (StatusOf(result).ok() && terms.audit != nullptr) {
-      MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *terms.audit));
-    }
-    return result;
-  };
-  return Write(priority, write, terms.cancelled, added);
-}
-
-template <typename Work>
-auto SqliteMotionStore::WriteAndFree(const WriteOptions& terms, const Work& work) {
-  auto freed =
-      WriteWith(terms, [&](Connection& connection) { return work(connection, FreePolicy::kFree); });
-  if (!absl::IsDataLoss(StatusOf(freed))) return freed;
-  return WriteWith(terms,
-                   [&](Connection& connection) { return work(connection, FreePolicy::kLeave); });
-}
-
-template <typename Work>
-auto SqliteMotionStore::Read(const Work& work) {
-  using Result = std::invoke_result_t<Work, Connection&>;
-  if (readers_ == nullptr) {
-    return writer_->Run(Priority::kOrdinary, ReadScope::cancelled(), [&](Connection& writer) {
-      return InTransaction(writer, Transaction::Kind::kRead, work);
-    });
-  }
-  const auto reader = readers_->Acquire(ReadScope::cancelled());
-  if (!reader.ok()) return Result(reader.status());
-  return InTransaction(reader->connection(), Transaction::Kind::kRead, work);
-}
 
 absl::Status SqliteMotionStore::CreateDatabase(const DatabaseRecord& record,
                                                const WriteOptions& terms) {
@@ -321,106 +258,6 @@ absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std
                                                                              int limit) {
   return Read(
       [&](Connection& connection) { return SelectAuditRecords(connection, before, limit); });
-}
-
-absl::Status SqliteMotionStore::CheckFile() {
-  if (path_.empty() || read_only_) return absl::OkStatus();
-  const absl::Status store = CheckFileIdentity(path_, files_.store);
-  if (!store.ok()) {
-    return absl::UnavailableError(
-        fmt::format("the store's file {}: changes are refused because they would be lost; put the "
-                    "file back, or stop the server and restore a backup",
-                    std::string(store.message())));
-  }
-  const absl::Status log = CheckFileIdentity(LogPath(path_), files_.log);
-  if (!log.ok()) {
-    return absl::UnavailableError(fmt::format(
-        "the store's log {}: changes are refused because they would be lost; put the file back, or "
-        "restart the server with SIGTERM, which saves the content of the log",
-        std::string(log.message())));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status SqliteMotionStore::CheckIsWritable() const {
-  if (!read_only_) return absl::OkStatus();
-  return core::FailedPrecondition(
-      "the store is open read-only: restart motiondbd without --read-only to change it");
-}
-
-absl::Status SqliteMotionStore::CheckMayWrite(Connection& writer, Added added) {
-  absl::Status file = CheckFile();
-  if (!file.ok()) {
-    CheckpointLog(writer);
-    return file;
-  }
-  if (added) return reserve_.Check(writer, *added);
-  reserve_.GiveBack(writer);
-  return absl::OkStatus();
-}
-
-absl::Status SqliteMotionStore::CheckWrites() {
-  MOTIONDB_RETURN_IF_ERROR(CheckFile());
-  if (!write_health_.is_suspect() && reserve_.HasReserve()) return absl::OkStatus();
-  return write_health_.Try([this] { return TryWriting(); });
-}
-
-absl::Status SqliteMotionStore::TryWriting() {
-  // Size of a small clip in the log and in the file.
-  constexpr std::int64_t kAddedBytes = 256 << 10;
-  constexpr std::chrono::seconds kMaxWait{1};
-  const auto latest = WaitClock::now() + kMaxWait;
-  const auto write = [this](Connection& writer) -> absl::Status {
-    MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, kAddedBytes));
-    MOTIONDB_ASSIGN_OR_RETURN(const auto version, writer.QueryInteger("PRAGMA user_version"));
-    return InTransaction(writer, Transaction::Kind::kWrite, [&](Connection& connection) {
-      return connection.Execute(fmt::format("PRAGMA user_version = {}", version));
-    });
-  };
-  return writer_->Run(
-      Priority::kUrgent, [&] { return WaitClock::now() > latest; }, write);
-}
-
-absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(
-    core::Cancelled cancelled) {
-  return std::make_unique<SqliteVerifier>(
-      [this](const SqliteVerifier::Look& look) { return Read(look); }, found_at_opening_,
-      std::move(cancelled));
-}
-
-absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
-    const core::Cancelled& cancelled) {
-  if (path_.empty()) return core::FailedPrecondition("cannot back up a store in memory");
-  return Read([&](Connection& reader) -> absl::StatusOr<std::unique_ptr<StoreBackup>> {
-    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(reader));
-    MOTIONDB_RETURN_IF_ERROR(reserve_.CheckTemporaryFile(bytes));
-    return SqliteBackup::Make(reader, path_, cancelled);
-  });
-}
-
-absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() {
-  if (path_.empty()) return core::FailedPrecondition("cannot restore into a store in memory");
-  MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
-  MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckHasNoDatabases(reader); }));
-  return SqliteRestore::Make(path_, reserve_,
-                             [this](Connection& backup, const core::Cancelled& cancelled) {
-                               return ReplaceContent(backup, cancelled);
-                             });
-}
-
-absl::Status SqliteMotionStore::ReplaceContent(Connection& backup,
-                                               const core::Cancelled& cancelled) {
-  return writer_->Run(Priority::kOrdinary, cancelled, [&](Connection& writer) -> absl::Status {
-    MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, {}));
-    MOTIONDB_RETURN_IF_ERROR(CheckHasNoDatabases(writer));
-    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(backup));
-    MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, bytes));
-    MOTIONDB_RETURN_IF_ERROR(CopyAccessRecords(writer, backup));
-    MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, writer, cancelled));
-    // The log now contains the whole store; if readers block the checkpoint, a later write does it.
-    writer.Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();
-    return absl::OkStatus();
-  });
 }
 
 }  // namespace motiondb::storage

@@ -146,6 +146,8 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
     MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, added));
     return InTransaction(writer, Transaction::Kind::kWrite, work);
   }
+  // sqlite_motion_store_work.h defines the templates from here on.
+  //
   // Queues Transact on the writer and waits for it. CANCELLED if cancelled before it began.
   template <typename Work>
   auto Write(Priority priority, const Work& work, const core::Cancelled& cancelled = {},

@@ -1,0 +1,64 @@
+// How SqliteMotionStore runs work on a connection: Write and its variants on the writer thread,
+// Read on a reader. Only for the sources of SqliteMotionStore, whose header declares these
+// templates.
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/read_scope.h"
+#include "storage/sqlite/audit_table.h"
+#include "storage/sqlite/clip_table.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "storage/sqlite/transaction.h"
+
+namespace motiondb::storage {
+
+template <typename Work>
+auto SqliteMotionStore::Write(Priority priority, const Work& work, const core::Cancelled& cancelled,
+                              Added added) {
+  using Result = std::invoke_result_t<Work, Connection&>;
+  if (absl::Status writable = CheckIsWritable(); !writable.ok()) return Result(std::move(writable));
+  Result written = writer_->Run(priority, cancelled,
+                                [&](Connection& writer) { return Transact(writer, added, work); });
+  write_health_.Note(StatusOf(written));
+  return written;
+}
+
+template <typename Work>
+auto SqliteMotionStore::WriteWith(const WriteOptions& terms, const Work& work, Added added,
+                                  Priority priority) {
+  const auto write = [&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
+    auto result = work(connection);
+    if (StatusOf(result).ok() && terms.audit != nullptr) {
+      MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *terms.audit));
+    }
+    return result;
+  };
+  return Write(priority, write, terms.cancelled, added);
+}
+
+template <typename Work>
+auto SqliteMotionStore::WriteAndFree(const WriteOptions& terms, const Work& work) {
+  auto freed =
+      WriteWith(terms, [&](Connection& connection) { return work(connection, FreePolicy::kFree); });
+  if (!absl::IsDataLoss(StatusOf(freed))) return freed;
+  return WriteWith(terms,
+                   [&](Connection& connection) { return work(connection, FreePolicy::kLeave); });
+}
+
+template <typename Work>
+auto SqliteMotionStore::Read(const Work& work) {
+  using Result = std::invoke_result_t<Work, Connection&>;
+  if (readers_ == nullptr) {
+    return writer_->Run(Priority::kOrdinary, ReadScope::cancelled(), [&](Connection& writer) {
+      return InTransaction(writer, Transaction::Kind::kRead, work);
+    });
+  }
+  const auto reader = readers_->Acquire(ReadScope::cancelled());
+  if (!reader.ok()) return Result(reader.status());
+  return InTransaction(reader->connection(), Transaction::Kind::kRead, work);
+}
+
+}  // namespace motiondb::storage

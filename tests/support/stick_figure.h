@@ -15,6 +15,11 @@ struct StickFigure {
   double tempo = 1.0;  // cycles per second
 };
 
+// A walk of one second.
+inline StickFigure Walk(double phase) {
+  return {.act = Act::kWalk, .frame_count = 60, .phase = phase};
+}
+
 // Returns the motion as a BVH file in centimetres, y up: hips with six channels; legs, spine, head
 // and arms with three rotations each.
 std::string WriteBvh(const StickFigure& figure);

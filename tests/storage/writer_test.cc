@@ -1,9 +1,9 @@
 // The queue of the writer. Catch assertions work on one thread only.
 #include "storage/sqlite/writer.h"
 
-#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <functional>
 #include <future>
 #include <memory>
@@ -15,8 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/motion/error.h"
-#include "storage/sqlite/transaction.h"
+#include "tests/storage/queued_work.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
@@ -27,77 +26,17 @@ namespace {
 
 using storage::Connection;
 using storage::Priority;
-using storage::Writer;
-using Work = std::function<absl::Status(Connection&)>;
-
-std::unique_ptr<Writer> MakeWriter() {
-  return std::make_unique<Writer>(
-      Require(Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "")));
-}
-
-// Work that its own thread submits. The constructor returns when the work is queued.
-class Submitted {
- public:
-  Submitted(Writer& writer, Priority priority, Work work) {
-    std::promise<void> queued;
-    thread_ = std::jthread([this, &writer, priority, &queued, work = std::move(work)] {
-      // The first call comes when the work is queued.
-      const auto cancelled = [&, is_first = true]() mutable {
-        if (std::exchange(is_first, false)) queued.set_value();
-        return cancelled_.load();
-      };
-      try {
-        status_ = writer.Run(priority, cancelled, work);
-      } catch (const std::bad_alloc&) {
-        threw_ = true;
-      }
-    });
-    queued.get_future().wait();
-  }
-  void Cancel() { cancelled_ = true; }
-  void Join() { thread_.join(); }
-  // Valid after Join.
-  const absl::Status& status() const { return status_; }
-  bool threw() const { return threw_; }
-
- private:
-  std::atomic<bool> cancelled_ = false;
-  absl::Status status_ = absl::UnknownError("the work has not returned");
-  bool threw_ = false;
-  std::jthread thread_;  // last: it uses the other members
-};
-
-// Blocks a writer until Release.
-class Holder {
- public:
-  explicit Holder(Writer& writer) {
-    std::promise<void> begun;
-    thread_ = std::jthread([&writer, &begun, release = release_.get_future().share()] {
-      const auto hold = [&](Connection&) {
-        begun.set_value();
-        release.wait();
-        return absl::OkStatus();
-      };
-      writer.Run(Priority::kOrdinary, {}, hold).IgnoreError();
-    });
-    begun.get_future().wait();
-  }
-  void Release() { release_.set_value(); }
-
- private:
-  std::promise<void> release_;
-  std::jthread thread_;
-};
+using Work = QueuedWork::Work;
 
 TEST_CASE("Writer: queued work begins by priority, then in order of submission",
           "[storage][concurrency]") {
   const auto writer = MakeWriter();
   std::string order;  // used by the writer thread, after the joins by this thread
-  std::vector<std::unique_ptr<Submitted>> submitted;
+  std::vector<std::unique_ptr<QueuedWork>> submitted;
   {
-    Holder holder(*writer);
+    WriterHolder holder(*writer);
     const auto submit = [&](Priority priority, char name) {
-      submitted.push_back(std::make_unique<Submitted>(*writer, priority, [&, name](Connection&) {
+      submitted.push_back(std::make_unique<QueuedWork>(*writer, priority, [&, name](Connection&) {
         order += name;
         return absl::OkStatus();
       }));
@@ -115,22 +54,22 @@ TEST_CASE("Writer: queued work begins by priority, then in order of submission",
 TEST_CASE("Writer: urgent work overtakes queued work", "[storage][concurrency]") {
   const auto writer = MakeWriter();
   std::string order;
-  std::unique_ptr<Submitted> urgent;
-  std::vector<std::unique_ptr<Submitted>> submitted;
+  std::unique_ptr<QueuedWork> urgent;
+  std::vector<std::unique_ptr<QueuedWork>> submitted;
   {
-    Holder holder(*writer);
+    WriterHolder holder(*writer);
     for (const char name : std::string("abcdefgh")) {
       const auto work = [&, name](Connection&) {
         order += name;
         if (name == 'b') {
-          urgent = std::make_unique<Submitted>(*writer, Priority::kUrgent, [&](Connection&) {
+          urgent = std::make_unique<QueuedWork>(*writer, Priority::kUrgent, [&](Connection&) {
             order += '!';
             return absl::OkStatus();
           });
         }
         return absl::OkStatus();
       };
-      submitted.push_back(std::make_unique<Submitted>(
+      submitted.push_back(std::make_unique<QueuedWork>(
           *writer, name < 'e' ? Priority::kBackground : Priority::kOrdinary, work));
     }
     holder.Release();
@@ -149,10 +88,10 @@ TEST_CASE("Writer: cancellation removes work that has not begun, and nothing els
     ++runs;
     return absl::OkStatus();
   };
-  Holder holder(*writer);
-  Submitted before(*writer, priority, work);
-  Submitted withdrawn(*writer, priority, work);
-  Submitted after(*writer, priority, work);
+  WriterHolder holder(*writer);
+  QueuedWork before(*writer, priority, work);
+  QueuedWork withdrawn(*writer, priority, work);
+  QueuedWork after(*writer, priority, work);
   withdrawn.Cancel();
   withdrawn.Join();  // while the writer is still held
   CHECK(absl::IsCancelled(withdrawn.status()));
@@ -166,7 +105,7 @@ TEST_CASE("Writer: cancellation removes work that has not begun, and nothing els
   // Running work continues to its end.
   std::promise<void> begun;
   std::promise<void> release;
-  Submitted running(*writer, priority, [&](Connection&) -> absl::Status {
+  QueuedWork running(*writer, priority, [&](Connection&) -> absl::Status {
     begun.set_value();
     release.get_future().wait();
     return absl::DataLossError("its own result");
@@ -190,10 +129,10 @@ TEST_CASE("Writer: an exception of work reaches its caller, and the writer conti
   CHECK_THROWS_AS(writer->Run(Priority::kOrdinary, {}, fail), std::bad_alloc);
   const Work too_long = [](Connection&) -> absl::Status { throw std::length_error("too long"); };
   CHECK_THROWS_AS(writer->Run(Priority::kOrdinary, {}, too_long), std::length_error);
-  Holder holder(*writer);
-  Submitted throws(*writer, Priority::kOrdinary, fail);
-  Submitted next(*writer, Priority::kOrdinary,
-                 [](Connection& connection) { return connection.Execute("SELECT 1"); });
+  WriterHolder holder(*writer);
+  QueuedWork throws(*writer, Priority::kOrdinary, fail);
+  QueuedWork next(*writer, Priority::kOrdinary,
+                  [](Connection& connection) { return connection.Execute("SELECT 1"); });
   holder.Release();
   throws.Join();
   next.Join();
@@ -204,13 +143,13 @@ TEST_CASE("Writer: an exception of work reaches its caller, and the writer conti
 TEST_CASE("Writer: queued work is done before the writer is closed", "[storage][concurrency]") {
   auto writer = MakeWriter();
   int runs = 0;
-  std::vector<std::unique_ptr<Submitted>> submitted;
+  std::vector<std::unique_ptr<QueuedWork>> submitted;
   std::jthread closing;
   {
-    Holder holder(*writer);
+    WriterHolder holder(*writer);
     for (const Priority priority :
          {Priority::kBackground, Priority::kOrdinary, Priority::kUrgent, Priority::kBackground}) {
-      submitted.push_back(std::make_unique<Submitted>(*writer, priority, [&](Connection&) {
+      submitted.push_back(std::make_unique<QueuedWork>(*writer, priority, [&](Connection&) {
         ++runs;
         return absl::OkStatus();
       }));
@@ -228,104 +167,6 @@ TEST_CASE("Writer: queued work is done before the writer is closed", "[storage][
     submitted[i]->Join();
     CHECK(submitted[i]->status().ok());
   }
-}
-
-// Work that can share a transaction: insertions into a table of unique numbers.
-class SharedWork {
- public:
-  explicit SharedWork(Writer& writer) : writer_(writer) {
-    REQUIRE_OK(writer.Run(Priority::kOrdinary, {}, [](Connection& connection) {
-      return connection.Execute("CREATE TABLE t (n INTEGER PRIMARY KEY)");
-    }));
-  }
-
-  // Submits an insertion and waits until it is queued.
-  void Insert(int n, std::int64_t added_bytes, std::function<void()> before = {}) {
-    std::promise<void> queued;
-    absl::StatusOr<int>* const result =
-        results_.emplace_back(std::make_unique<absl::StatusOr<int>>(0)).get();
-    callers_.emplace_back([&queued, this, result, n, added_bytes, before = std::move(before)] {
-      const auto cancelled = [&, is_first = true]() mutable {
-        if (std::exchange(is_first, false)) queued.set_value();
-        return false;
-      };
-      const auto insert = [&](Connection& connection) -> absl::StatusOr<int> {
-        if (before) before();
-        MOTIONDB_RETURN_IF_ERROR(connection.Query("INSERT INTO t VALUES (?)", n).Run());
-        return n;
-      };
-      try {
-        *result = writer_.RunShared(transact_, added_bytes, cancelled, insert);
-      } catch (const std::bad_alloc&) {
-        *result = absl::ResourceExhaustedError("thrown");
-      }
-    });
-    queued.get_future().wait();
-  }
-
-  // Waits for all callers and returns their results in order of submission.
-  std::vector<absl::StatusOr<int>> Results() {
-    callers_.clear();
-    std::vector<absl::StatusOr<int>> results;
-    for (const auto& result : results_) results.push_back(*result);
-    return results;
-  }
-  std::int64_t Count() {
-    return Require(writer_.Run(Priority::kOrdinary, {}, [](Connection& connection) {
-      return connection.QueryInteger("SELECT count(*) FROM t");
-    }));
-  }
-  // The bytes of each transaction, including failed ones.
-  const std::vector<std::int64_t>& transactions() const { return transactions_; }
-
- private:
-  Writer& writer_;
-  std::vector<std::int64_t> transactions_;
-  const Writer::Transact transact_ = [this](Connection& connection, std::int64_t bytes,
-                                            const Writer::Body& body) {
-    transactions_.push_back(bytes);
-    return storage::InTransaction(connection, storage::Transaction::Kind::kWrite, body);
-  };
-  std::vector<std::unique_ptr<absl::StatusOr<int>>> results_;
-  std::vector<std::jthread> callers_;
-};
-
-TEST_CASE("Writer: adjacent work shares a transaction of up to a few megabytes",
-          "[storage][concurrency]") {
-  const auto writer = MakeWriter();
-  SharedWork work(*writer);
-  {
-    Holder holder(*writer);
-    for (int n = 0; n < 5; ++n) work.Insert(n, 1 << 20);
-    holder.Release();
-  }
-  for (const auto& result : work.Results()) CHECK(result.ok());
-  CHECK(work.Count() == 5);
-  CHECK(work.transactions() == std::vector<std::int64_t>{4 << 20, 1 << 20});
-}
-
-TEST_CASE("Writer: failing work in a shared transaction does not affect the rest",
-          "[storage][concurrency]") {
-  const auto writer = MakeWriter();
-  SharedWork work(*writer);
-  const bool throws = GENERATE(false, true);
-  {
-    Holder holder(*writer);
-    work.Insert(1, 10);
-    work.Insert(2, 20, [&] {
-      if (throws) throw std::bad_alloc();
-    });
-    work.Insert(1, 30);  // fails: 1 exists already
-    work.Insert(3, 40);
-    holder.Release();
-  }
-  const auto results = work.Results();
-  CHECK(results[0].ok());
-  CHECK(results[1].ok() == !throws);
-  CHECK_FALSE(results[2].ok());
-  CHECK(results[3].ok());
-  CHECK(work.Count() == (throws ? 2 : 3));
-  CHECK(work.transactions() == std::vector<std::int64_t>{100, 10, 20, 30, 40});
 }
 
 TEST_CASE("Writer: each of many callers gets the result of its own work",

@@ -1,23 +1,14 @@
-// A trained database for the tests of Plan, and their basic request.
+// The server of the tests of Plan, and their basic request.
 #pragma once
 
 #include "motiondb/v1/plan.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
+#include "tests/server/rpc/trained_server.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
 
-// Databases: `db` with a walk of 2.6 m in 2 s, a squat and a wave; `empty` without a model.
-inline TestServer& PlanServer() {
-  static TestServer server;
-  static const bool kTrained = [] {
-    server.CreateTrained("db");
-    server.CreateDatabase("empty");
-    return true;
-  }();
-  (void)kTrained;
-  return server;
-}
+inline TestServer& PlanServer() { return TrainedServer(); }
 
 // Plans from the walk to a goal straight ahead.
 inline v1::PlanRequest WalkAhead(double metres = 1) {

@@ -13,8 +13,6 @@ namespace {
 
 using storage::OperationState;
 
-StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
-
 // Stores clips a, b and c with a model, then stops the engine.
 void Fill(TestEngine& engine) {
   engine.Create("db");

@@ -15,8 +15,6 @@ namespace {
 using std::chrono::milliseconds;
 using storage::OperationState;
 
-StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
-
 server::EngineOptions Extending() {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::seconds(0);

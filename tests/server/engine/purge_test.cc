@@ -13,8 +13,6 @@ namespace {
 
 using storage::OperationState;
 
-StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
-
 // Returns the number that a query returns, also while an engine uses the store.
 int Number(const TestEngine& engine, const std::string& sql) {
   sqlite3* database = nullptr;

@@ -11,8 +11,6 @@
 namespace motiondb::tests::restore_test {
 namespace {
 
-StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
-
 // Creates database "db" with the clip "a" and its model.
 void Fill(TestEngine& engine) {
   engine.Create("db");

@@ -11,8 +11,6 @@ namespace {
 
 using storage::OperationState;
 
-StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
-
 // Waits until the newest operation of a database is done.
 storage::OperationRecord WaitForNewest(TestEngine& engine, const std::string& database) {
   const auto newest = engine->operations().List(database, "", 1);

@@ -4,6 +4,7 @@
 
 #include "core/format/bvh_hierarchy.h"
 #include "core/format/conventions.h"
+#include "core/format/deduced_conventions.h"
 #include "core/format/readers.h"
 #include "core/motion/forward_kinematics.h"
 
@@ -214,22 +215,16 @@ absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointM
   std::vector<std::string> names;
   for (const BvhJoint& joint : joints) names.push_back(joint.name);
 
-  const std::optional<double> stature = StatureAlongBones(*sample.skeleton, positions);
+  const DeducedConventions deduced = DeduceConventions(names, positions, sample.skeleton.get());
+  const bool is_given = options.metres_per_unit.has_value();
   DecideUnit({.given = options.metres_per_unit,
               .stated = {},
-              .deduced = stature ? DeduceMetresPerUnit(*stature) : std::nullopt,
-              .fallback = kCentimetre},
+              .deduced = deduced.metres_per_unit,
+              .fallback = is_given ? kCentimetre : FallbackUnit(deduced, kCentimetre, report)},
              report);
-  DecideUpAxis({.given = options.up_axis,
-                .stated = {},
-                .deduced = DeduceUpAxis(names, positions),
-                .fallback = UpAxis::kY},
-               report);
-  if (report.unit_provenance == Provenance::kAssumed) {
-    report.notes.push_back(
-        stature ? fmt::format("a stature of {:.4g} units fits no known unit: cm assumed", *stature)
-                : "no head and feet among the joints' names: cm assumed");
-  }
+  DecideUpAxis(
+      {.given = options.up_axis, .stated = {}, .deduced = deduced.up_axis, .fallback = UpAxis::kY},
+      report);
   return absl::OkStatus();
 }
 

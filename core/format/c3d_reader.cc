@@ -5,6 +5,7 @@
 
 #include "core/format/c3d_file.h"
 #include "core/format/conventions.h"
+#include "core/format/deduced_conventions.h"
 #include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 
@@ -191,15 +192,17 @@ void DecideConventions(const C3dParameters& parameters, const std::vector<std::s
                        SourceReport& report) {
   constexpr double kMillimetre = 0.001;
   const std::vector<std::string_view> unit = parameters.Strings("POINT", "UNITS");
-  const std::optional<double> stature = StatureOfPoints(names, positions);
+  const std::optional<double> stated = unit.empty() ? std::nullopt : MetresPerUnitNamed(unit[0]);
+  const bool is_known = options.metres_per_unit || stated;
+  const DeducedConventions deduced = DeduceConventions(names, positions);
   DecideUnit({.given = options.metres_per_unit,
-              .stated = unit.empty() ? std::nullopt : MetresPerUnitNamed(unit[0]),
-              .deduced = stature ? DeduceMetresPerUnit(*stature) : std::nullopt,
-              .fallback = kMillimetre},
+              .stated = stated,
+              .deduced = deduced.metres_per_unit,
+              .fallback = is_known ? kMillimetre : FallbackUnit(deduced, kMillimetre, report)},
              report);
   DecideUpAxis({.given = options.up_axis,
                 .stated = StatedUpAxis(parameters),
-                .deduced = DeduceUpAxis(names, positions),
+                .deduced = deduced.up_axis,
                 .fallback = UpAxis::kZ},
                report);
 }

@@ -49,6 +49,15 @@ absl::StatusOr<std::vector<Token>> Tokens(std::string_view line) {
   return tokens;
 }
 
+// Removes the first line, with its end, from `text` and returns it without its end.
+std::string_view NextLine(std::string_view& text) {
+  const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+  const std::string_view line = text.substr(0, end);
+  const bool crlf = text.substr(end).starts_with("\r\n");
+  text.remove_prefix(std::min(text.size(), end + (crlf ? 2 : 1)));
+  return line;
+}
+
 std::optional<double> Number(const Token& token) {
   double value = 0;
   const char* end = token.text.data() + token.text.size();
@@ -72,13 +81,15 @@ class Reader {
     const std::string& word = tokens[0].text;
     if (tokens.size() >= 2 && tokens[1].text == "=" && !tokens[1].quoted) return ReadRule(tokens);
     if (word == "name") return ReadName(tokens);
+    if (word == "extend") return ReadExtend(tokens);
     if (word == "marker") return ReadMarker(tokens);
     if (word == "hips") return ReadHips(tokens);
     if (word == "leg") return ReadLeg(tokens);
     if (word == "mapping") return ReadMapping(tokens);
     if (word == "signature") return ReadSignature(tokens);
     return InvalidArgument(
-        "expected name, marker, hips, leg, mapping, signature or MARKER = ..., got '{}'", word);
+        "expected name, extend, marker, hips, leg, mapping, signature or MARKER = ..., got '{}'",
+        word);
   }
 
   absl::StatusOr<MarkerScheme> Finish() {
@@ -86,6 +97,8 @@ class Reader {
     if (scheme_.set.name.empty()) return InvalidArgument("expected a line 'name NAME'");
     if (scheme_.set.markers.empty()) return InvalidArgument("expected at least one 'marker NAME'");
     MOTIONDB_RETURN_IF_ERROR(FinishMapping());
+    // The first of equal mappings wins, so that a file can replace a mapping of its base.
+    scheme_.mappings.insert(scheme_.mappings.end(), base_mappings_.begin(), base_mappings_.end());
     if (scheme_.set.landmarks.left_hip < 0) {
       scheme_.set.landmarks = RecognizeLandmarks(scheme_.set.markers);
     }
@@ -112,6 +125,23 @@ class Reader {
   absl::Status ReadName(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 2, "name NAME"));
     scheme_.set.name = tokens[1].text;
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadExtend(const std::vector<Token>& tokens) {
+    const MarkerScheme& base = StandardScheme();
+    if (tokens.size() != 2 || tokens[1].text != base.set.name) {
+      return InvalidArgument("expected 'extend {}'", base.set.name);
+    }
+    if (!scheme_.set.name.empty() || !scheme_.set.markers.empty()) {
+      return InvalidArgument("expected 'extend {}' instead of a name and markers", base.set.name);
+    }
+    std::string_view rest = Standard34Set();
+    for (NextLine(rest); !rest.empty();) {  // without the first line
+      MOTIONDB_ASSIGN_OR_RETURN(const auto line, Tokens(NextLine(rest)));
+      if (!line.empty()) MOTIONDB_RETURN_IF_ERROR(ReadLine(line));
+    }
+    base_mappings_ = base.mappings;
     return absl::OkStatus();
   }
 
@@ -263,6 +293,7 @@ class Reader {
   MarkerScheme scheme_;
   std::vector<MarkerRule> defaults_;  // rules before the first mapping, in terms of markers
   std::optional<MarkerMapping> mapping_;
+  std::vector<MarkerMapping> base_mappings_;  // of the extended set
 };
 
 std::string Quoted(const std::string& name) {
@@ -280,12 +311,8 @@ absl::StatusOr<MarkerScheme> ReadMarkerSetFile(SourceFile file) {
   Reader reader;
   int number = 0;
   for (std::string_view rest = file.bytes; !rest.empty();) {
-    const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
-    const std::string_view line = rest.substr(0, end);
-    const bool crlf = rest.substr(end).starts_with("\r\n");
-    rest.remove_prefix(std::min(rest.size(), end + (crlf ? 2 : 1)));
     ++number;
-    auto tokens = Tokens(line);
+    auto tokens = Tokens(NextLine(rest));
     absl::Status status = tokens.status();
     if (tokens.ok() && !tokens->empty()) status = reader.ReadLine(*tokens);
     if (!status.ok())

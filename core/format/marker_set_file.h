@@ -17,8 +17,12 @@ absl::StatusOr<MarkerScheme> ReadMarkerSetFile(SourceFile file);
 std::string WriteMarkerSetFile(const MarkerScheme& scheme);
 
 // The default set: 34 markers, with mappings for the CMU and HDM05 ASF skeletons, common BVH
-// conversions of them, and the CMU's optical markers.
+// conversions of them, and robots. Optical markers are mapped by core/mapping.
 const MarkerScheme& StandardScheme();
+
+// Returns the default set without mappings: markers, hips, legs and default rules, in the file's
+// format.
+std::string_view Standard34Set();
 
 // Returns mappings for robots in the marker-set file's format, to append to the default set.
 // Signatures are URDF joint names.

@@ -197,34 +197,6 @@ RElbow = CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 RWrist = 1.2 CC_Base_R_Hand + -0.2 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 RHand = 1.4 CC_Base_R_Hand + -0.4 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 
-# The CMU's 41 optical markers. Joints are inside the body, by a fraction of the waist's width.
-mapping cmu-optical
-signature LFWT RFWT LBWT RBWT LKNE RKNE LANK RANK LHEE RHEE LTOE RTOE LMT5 RMT5 C7 T10 CLAV STRN
-signature LSHO RSHO LUPA RUPA LELB RELB LWRA RWRA LWRB RWRB LFIN RFIN LFHD RFHD LBHD RBHD
-Waist = 0.15 LFWT + 0.15 RFWT + 0.15 LBWT + 0.15 RBWT + 0.2 T10 + 0.2 STRN
-Spine = 0.0375 LFWT + 0.0375 RFWT + 0.0375 LBWT + 0.0375 RBWT + 0.425 T10 + 0.425 STRN
-Neck = 0.21 C7 + 0.21 CLAV + 0.29 T10 + 0.29 STRN
-Head = 0.0975 LFHD + 0.0975 RFHD + 0.0975 LBHD + 0.0975 RBHD + 0.305 C7 + 0.305 CLAV
-HeadTop = 0.22 LFHD + 0.22 RFHD + 0.22 LBHD + 0.22 RBHD + 0.06 C7 + 0.06 CLAV
-LHip = 0.8675 LFWT + 0.3675 LBWT + 0.1175 RFWT + 0.1175 RBWT + -0.235 T10 + -0.235 STRN
-LKnee = LKNE + -0.25 LFWT + -0.25 LBWT + 0.25 RFWT + 0.25 RBWT
-LAnkle = LANK + -0.25 LFWT + -0.25 LBWT + 0.25 RFWT + 0.25 RBWT
-LHeel = LHEE + -0.1 LFWT + -0.1 LBWT + 0.1 RFWT + 0.1 RBWT
-LToe = 0.7 LTOE + 0.3 LMT5 + -0.15 LFWT + -0.15 LBWT + 0.15 RFWT + 0.15 RBWT
-LShoulder = 0.78 LSHO + 0.22 LUPA
-LElbow = LELB + -0.15 LFWT + -0.15 LBWT + 0.15 RFWT + 0.15 RBWT
-LWrist = 0.5 LWRA + 0.5 LWRB
-LHand = LFIN
-RHip = 0.8675 RFWT + 0.3675 RBWT + 0.1175 LFWT + 0.1175 LBWT + -0.235 T10 + -0.235 STRN
-RKnee = RKNE + -0.25 RFWT + -0.25 RBWT + 0.25 LFWT + 0.25 LBWT
-RAnkle = RANK + -0.25 RFWT + -0.25 RBWT + 0.25 LFWT + 0.25 LBWT
-RHeel = RHEE + -0.1 RFWT + -0.1 RBWT + 0.1 LFWT + 0.1 LBWT
-RToe = 0.7 RTOE + 0.3 RMT5 + -0.15 RFWT + -0.15 RBWT + 0.15 LFWT + 0.15 LBWT
-RShoulder = 0.78 RSHO + 0.22 RUPA
-RElbow = RELB + -0.15 RFWT + -0.15 RBWT + 0.15 LFWT + 0.15 LBWT
-RWrist = 0.5 RWRA + 0.5 RWRB
-RHand = RFIN
-
 # BVH skeletons named after the joints of the body.
 mapping hip-knee-ankle
 signature Hips LeftHip RightHip LeftKnee RightKnee LeftAnkle RightAnkle LeftToes RightToes Ab Chest Neck
@@ -280,6 +252,8 @@ RHand = 1.25 RightHand + -0.25 RightForeArm
 )";
 
 }  // namespace
+
+std::string_view Standard34Set() { return kText.substr(0, kText.find("\nmapping ") + 1); }
 
 const MarkerScheme& StandardScheme() {
   static const MarkerScheme scheme =

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/format/conventions.h"
+#include "core/format/deduced_conventions.h"
 #include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 
@@ -251,7 +252,7 @@ absl::StatusOr<MotionFile> ReadTrc(SourceFile file, const ReadOptions& options) 
              read.report);
   DecideUpAxis({.given = options.up_axis,
                 .stated = {},
-                .deduced = DeduceUpAxis(reader.names(), positions),
+                .deduced = DeduceConventions(reader.names(), positions).up_axis,
                 .fallback = UpAxis::kY},
                read.report);
   ToWorld(read.report, positions);

@@ -15,15 +15,6 @@ constexpr double kMinSideEvidence = 0.25;
 
 using Frame = Eigen::Matrix3Xd;
 
-bool IsComplete(const Figure& figure) {
-  for (const Role role : kNecessaryRoles) {
-    for (const Side side : {Side::kLeft, Side::kRight}) {
-      if (!figure.at(role, side).is_found()) return false;
-    }
-  }
-  return true;
-}
-
 Eigen::Vector3d Lateral(const Figure& figure, Role role, const Frame& frame) {
   return frame.col(figure.at(role, Side::kLeft).index) -
          frame.col(figure.at(role, Side::kRight).index);
@@ -157,6 +148,15 @@ void CheckSides(const PointCloud& points, const std::vector<NameMeaning>& meanin
 }
 
 }  // namespace
+
+bool IsComplete(const Figure& figure) {
+  for (const Role role : kNecessaryRoles) {
+    for (const Side side : {Side::kLeft, Side::kRight}) {
+      if (!figure.at(role, side).is_found()) return false;
+    }
+  }
+  return true;
+}
 
 PointCloud SamplePoints(const Motion& motion, int max_frames) {
   PointCloud cloud;

@@ -41,6 +41,9 @@ struct Figure {
 inline constexpr Role kNecessaryRoles[] = {Role::kHip,      Role::kKnee,  Role::kAnkle,
                                            Role::kShoulder, Role::kElbow, Role::kWrist};
 
+// Returns whether all necessary roles have a point.
+bool IsComplete(const Figure& figure);
+
 // Positions (m or any unit, any axes) of all points in some frames spread over a motion, and the
 // hierarchy, if there is one.
 struct PointCloud {

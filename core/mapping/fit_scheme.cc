@@ -1,8 +1,12 @@
 #include "core/mapping/fit_scheme.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
-#include "core/mapping/automatic_mapping.h"
+#include "core/mapping/figure_mapping.h"
+#include "core/mapping/figure_search.h"
+#include "core/mapping/skin_markers.h"
 #include "core/motion/error.h"
 #include "core/motion/marker_rules.h"
 
@@ -29,27 +33,60 @@ std::string LowestConfidence(const Figure& figure) {
 
 }  // namespace
 
+absl::StatusOr<AutomaticMapping> MapAutomatically(const MarkerSet& set, const PointCloud& points) {
+  if (points.parents.empty()) {
+    const SkinMarkers skin(points.names);
+    if (skin.has_legs()) {
+      return AutomaticMapping{MappingFrom(set, StandardMarkers(skin), points.names),
+                              fmt::format("optical markers mapped automatically ({} anatomical "
+                                          "landmarks of {} markers)",
+                                          skin.count(), points.count()),
+                              {}};
+    }
+  }
+  const Figure figure = FindFigure(points);
+  MOTIONDB_ASSIGN_OR_RETURN(MarkerMapping mapping, MapFigure(set, figure, points));
+  return AutomaticMapping{
+      std::move(mapping),
+      fmt::format("{} mapped automatically (lowest confidence {})",
+                  points.parents.empty() ? "points" : "joints", LowestConfidence(figure))};
+}
+
+absl::Status CheckPointNames(const std::vector<std::string>& names) {
+  if (SkinMarkers(names).has_legs()) return absl::OkStatus();
+  if (IsComplete(FindByNames({.names = names}, NameMeanings(names)))) return absl::OkStatus();
+  return InvalidArgument(
+      "the {} names ('{}', ...) are neither of a known marker set nor of hips, knees, ankles, "
+      "shoulders, elbows and wrists of both sides",
+      names.size(), names.empty() ? "" : names.front());
+}
+
 absl::StatusOr<MarkerScheme> FitScheme(const MarkerScheme& scheme, const Motion& motion,
-                                       std::string* note) {
+                                       FitFor purpose, std::string* note) {
   PointCloud points = SamplePoints(motion, 0);
   const auto bound = BindMapping(scheme, points.names);
   if (bound.ok()) return scheme;
   if (scheme.set.name != kStandardSet) return bound.status();
   points = SamplePoints(motion);
-  const Figure figure = FindFigure(points);
-  auto mapping = MapFigure(scheme.set, figure, points);
-  if (!mapping.ok()) {
+  auto found = MapAutomatically(scheme.set, points);
+  if (!found.ok()) {
     return InvalidArgument(
         "no mapping of marker set '{}' fits, and the {} {} ('{}', ...) cannot be mapped "
         "automatically: {}; add a mapping to a marker-set file",
         scheme.set.name, points.count(), points.parents.empty() ? "markers" : "joints",
-        points.names.empty() ? "" : points.names.front(), std::string(mapping.status().message()));
+        points.names.empty() ? "" : points.names.front(), std::string(found.status().message()));
   }
-  if (note != nullptr) {
-    *note = fmt::format("{} mapped automatically (lowest confidence {})",
-                        points.parents.empty() ? "markers" : "joints", LowestConfidence(figure));
+  if (purpose == FitFor::kQuery) {
+    for (std::size_t m = 0; m < scheme.set.markers.size(); ++m) {
+      const bool is_derived =
+          std::ranges::find(found->derived, scheme.set.markers[m]) != found->derived.end();
+      if (is_derived) found->mapping.rules[m] = {};
+    }
+  } else if (!found->derived.empty()) {
+    found->note += fmt::format("; derived from other points: {}", fmt::join(found->derived, ", "));
   }
-  return MarkerScheme{scheme.set, {*std::move(mapping)}};
+  if (note != nullptr) *note = std::move(found->note);
+  return MarkerScheme{scheme.set, {std::move(found->mapping)}};
 }
 
 }  // namespace motiondb::core

@@ -120,6 +120,17 @@ const std::unordered_map<std::string_view, std::vector<Meaning>>& Lexicon() {
       {"middle", {{kHand, 0.8}}},
       {"handmiddle", {{kHand, 0.8}}},
 
+      // Joint centres of the conventional gait model.
+      {"midhjc", {{kPelvis, 1}}},
+      {"trxo", {{kNeck, 0.8}}},
+      {"hedo", {{kHead, 1}}},
+      {"hjc", {{kHip, 1}}},
+      {"kjc", {{kKnee, 1}}},
+      {"ajc", {{kAnkle, 1}}},
+      {"sjc", {{kShoulder, 1}}},
+      {"ejc", {{kElbow, 1}}},
+      {"wjc", {{kWrist, 1}}},
+
       // The reference model of the KIT's MMM: body, left or right, segment, axis.
       {"bp", {{kPelvis, 0.8}}},
       {"bt", {{kSpine, 0.8}}},
@@ -345,7 +356,7 @@ std::vector<std::string> NameWords(std::string_view name) {
   return words;
 }
 
-std::vector<NameMeaning> NameMeanings(const std::vector<std::string>& names) {
+std::vector<std::vector<std::string>> WordsWithoutPrefix(const std::vector<std::string>& names) {
   std::vector<std::vector<std::string>> words;
   std::map<std::string, std::size_t> first_words;
   words.reserve(names.size());
@@ -366,9 +377,13 @@ std::vector<NameMeaning> NameMeanings(const std::vector<std::string>& names) {
       if (of_name.size() > 1 && of_name.front() == prefix) of_name.erase(of_name.begin());
     }
   }
+  return words;
+}
+
+std::vector<NameMeaning> NameMeanings(const std::vector<std::string>& names) {
   std::vector<NameMeaning> meanings;
   meanings.reserve(names.size());
-  for (const auto& of_name : words) meanings.push_back(MeaningOf(of_name));
+  for (const auto& of_name : WordsWithoutPrefix(names)) meanings.push_back(MeaningOf(of_name));
   ResolveSide(Side::kLeft, meanings);
   ResolveSide(Side::kRight, meanings);
   return meanings;

@@ -52,6 +52,9 @@ struct NameMeaning {
 // matter: words that most names share mean nothing.
 std::vector<NameMeaning> NameMeanings(const std::vector<std::string>& names);
 
+// Returns the words of each name of one file, without the words that most names begin with.
+std::vector<std::vector<std::string>> WordsWithoutPrefix(const std::vector<std::string>& names);
+
 // Returns the words of a name in lower case: "mixamorig:LeftUpLeg" -> left, up, leg;
 // "CC_Base_L_Thigh" -> cc, base, l, thigh; "lfemur" -> l, femur; "Spine1" -> spine, 1.
 std::vector<std::string> NameWords(std::string_view name);

@@ -32,18 +32,18 @@ std::vector<FrameSpan> SpansOf(const std::vector<Glitch>& glitches) {
 }
 
 std::string Note(const char* what, const std::vector<Glitch>& glitches,
-                 const std::vector<std::string>& names) {
+                 const MarkerMotion& motion) {
   std::string note = std::string(kGlitchNote) + what + " (" + std::to_string(glitches.size()) + ")";
   for (std::size_t i = 0; i < std::min(glitches.size(), kMaxDescribed); ++i) {
-    note += (i == 0 ? ": " : ", ") + Describe(glitches[i], names);
+    note += (i == 0 ? ": " : ", ") + Describe(glitches[i], motion);
   }
   return glitches.size() > kMaxDescribed ? note + ", ..." : note;
 }
 
 absl::Status Refusal(const Glitch& glitch, const std::vector<Glitch>& glitches,
                      const MarkerMotion& motion, const std::string& reason) {
-  return InvalidArgument("{} ({} glitches in total): {}", Describe(glitch, motion.names),
-                         glitches.size(), reason);
+  return InvalidArgument("{} ({} glitches in total): {}", Describe(glitch, motion), glitches.size(),
+                         reason);
 }
 
 absl::Status Repair(const std::vector<Glitch>& glitches, MarkerMotion& motion) {
@@ -105,10 +105,10 @@ absl::StatusOr<std::vector<FrameSpan>> ApplyGlitchPolicy(GlitchPolicy policy,
                      "the database rejects clips with glitches");
     case GlitchPolicy::kRepair:
       MOTIONDB_RETURN_IF_ERROR(Repair(glitches, motion));
-      notes.push_back(Note("repaired", glitches, motion.names));
+      notes.push_back(Note("repaired", glitches, motion));
       return std::vector<FrameSpan>{};
     case GlitchPolicy::kKeep:
-      notes.push_back(Note("kept", glitches, motion.names));
+      notes.push_back(Note("kept", glitches, motion));
       return SpansOf(glitches);
     case GlitchPolicy::kDrop:
       break;
@@ -119,10 +119,12 @@ absl::StatusOr<std::vector<FrameSpan>> ApplyGlitchPolicy(GlitchPolicy policy,
   if (remaining < 2)
     return Refusal(glitches.front(), glitches, motion,
                    "fewer than 2 frames remain without glitches");
-  const std::string cut = fmt::format("dropped, frames {}-{} of {} stored", longest.first + 1,
-                                      longest.last + 1, frames);
-  notes.push_back(Note(cut.c_str(), glitches, motion.names));
+  const std::string cut =
+      fmt::format("dropped, frames {}-{} of {} stored", motion.first_frame + longest.first + 1,
+                  motion.first_frame + longest.last + 1, motion.first_frame + frames);
+  notes.push_back(Note(cut.c_str(), glitches, motion));
   motion.positions_m = motion.positions_m.middleRows(longest.first, remaining).eval();
+  motion.first_frame += longest.first;
   return std::vector<FrameSpan>{};
 }
 

@@ -259,14 +259,14 @@ std::vector<Glitch> FindGlitches(const MarkerMotion& motion, double leg_length_m
   return Search(motion, leg_length_m, origin).Run();
 }
 
-std::string Describe(const Glitch& glitch, const std::vector<std::string>& marker_names) {
+std::string Describe(const Glitch& glitch, const MarkerMotion& motion) {
+  const int first = motion.first_frame + glitch.first_frame + 1;
+  const int last = motion.first_frame + glitch.last_frame + 1;
   const std::string frames =
-      glitch.first_frame == glitch.last_frame
-          ? fmt::format("frame {}", glitch.first_frame + 1)
-          : fmt::format("frames {}-{}", glitch.first_frame + 1, glitch.last_frame + 1);
+      first == last ? fmt::format("frame {}", first) : fmt::format("frames {}-{}", first, last);
   const bool all = glitch.marker == Glitch::kAllMarkers;
   const std::string subject =
-      all ? "all markers" : fmt::format("'{}'", marker_names[glitch.marker]);
+      all ? "all markers" : fmt::format("'{}'", motion.names[glitch.marker]);
   const auto verb = [&](const char* one, const char* many) {
     return fmt::format("{}: {} {}", frames, subject, all ? many : one);
   };
@@ -277,7 +277,7 @@ std::string Describe(const Glitch& glitch, const std::vector<std::string>& marke
       return verb("is frozen", "are frozen");
     case GlitchKind::kSwapped:
       return fmt::format("{}: {} is swapped with '{}'", frames, subject,
-                         marker_names[glitch.swapped_with]);
+                         motion.names[glitch.swapped_with]);
     case GlitchKind::kStretched:
       return verb("leaves its segment", "leave their segments");
     case GlitchKind::kBeyond:

@@ -57,8 +57,8 @@ struct Glitch {
 std::vector<Glitch> FindGlitches(const MarkerMotion& motion, double leg_length_m,
                                  const Eigen::Vector2d& origin = Eigen::Vector2d::Zero());
 
-// Returns text such as "frames 12-15: 'LWrist' jumps"; frames are counted from 1.
-std::string Describe(const Glitch& glitch, const std::vector<std::string>& marker_names);
+// Returns text such as "frames 12-15: 'LWrist' jumps"; frames of the file, counted from 1.
+std::string Describe(const Glitch& glitch, const MarkerMotion& motion);
 
 // What ingest does with the glitches of a clip: a setting of the database.
 enum class GlitchPolicy {

@@ -23,6 +23,7 @@ struct MarkerMotion {
   std::vector<std::string> names;
   double frame_rate_hz = 0;
   FrameMatrix positions_m;  // frames x 3 * names.size(), x y z of each marker in turn
+  int first_frame = 0;      // in the file, from 0; for messages
 };
 
 // A range of frames, counted from 0; first and last are included.

@@ -65,8 +65,8 @@ absl::StatusOr<std::vector<std::string>> FillGaps(double max_gap_seconds, Marker
       if (static_cast<double>(t - begin) > max_gap_seconds * motion.frame_rate_hz) {
         return InvalidArgument(
             "marker '{}' is missing from frame {} to {}: {:.2f} s, expected gaps up to {:.2f} s",
-            motion.names[m], begin + 1, t, static_cast<double>(t - begin) / motion.frame_rate_hz,
-            max_gap_seconds);
+            motion.names[m], motion.first_frame + begin + 1, motion.first_frame + t,
+            static_cast<double>(t - begin) / motion.frame_rate_hz, max_gap_seconds);
       }
       const Eigen::Index before = begin > 0 ? begin - 1 : t;
       const Eigen::Index after = t < frames ? t : begin - 1;

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/motion/derived_markers.h"
 #include "core/motion/error.h"
 #include "core/motion/floor_origin.h"
 #include "core/motion/frame_state.h"
+#include "core/motion/reference_pose.h"
 
 namespace motiondb::core {
 
@@ -58,20 +60,38 @@ void Interpolate(const std::vector<bool>& valid, RootPath& path) {
   }
 }
 
-// Applies the glitch policy to a motion relative to `origin`. Returns the remaining glitches.
-absl::StatusOr<std::vector<FrameSpan>> CleanGlitches(GlitchPolicy policy, const MarkerSet& set,
-                                                     const Eigen::Vector2d& origin,
-                                                     std::optional<double> leg_length_m,
-                                                     MarkerMotion& motion,
-                                                     std::vector<std::string>& notes) {
+// Leaves out a reference pose at the start.
+void DropPoseAtStart(const MarkerSet& set, double leg_length_m, MarkerMotion& motion,
+                     std::vector<std::string>& notes) {
+  const PoseAtStart start = FindPoseAtStart(set, motion, leg_length_m);
+  if (start.frame_count == 0) return;
+  notes.push_back(fmt::format("{}-pose at the start left out: frames 1-{} of {}",
+                              start.pose == ReferencePose::kT ? "T" : "A", start.frame_count,
+                              motion.positions_m.rows()));
+  motion.positions_m =
+      motion.positions_m.bottomRows(motion.positions_m.rows() - start.frame_count).eval();
+  motion.first_frame = start.frame_count;
+}
+
+// Prepares a motion relative to `origin` for storage: leaves out a reference pose, applies the
+// glitch policy and derives markers. Returns the remaining glitches.
+absl::StatusOr<std::vector<FrameSpan>> CleanMotion(GlitchPolicy policy, const MarkerSet& set,
+                                                   const Eigen::Vector2d& origin,
+                                                   std::optional<double> leg_length_m,
+                                                   MarkerMotion& motion,
+                                                   std::vector<std::string>& notes) {
   if (!leg_length_m) {
     MOTIONDB_ASSIGN_OR_RETURN(leg_length_m, EstimateLegLength(set, motion));
   }
-  // ComputeStates rejects this leg length later.
-  if (!(*leg_length_m >= kMinLeg_m && *leg_length_m <= kMaxLeg_m)) {
-    return std::vector<FrameSpan>{};
-  }
-  return ApplyGlitchPolicy(policy, FindGlitches(motion, *leg_length_m, origin), motion, notes);
+  std::vector<FrameSpan> glitches;
+  // ComputeStates rejects other leg lengths later.
+  if (!(*leg_length_m >= kMinLeg_m && *leg_length_m <= kMaxLeg_m)) return glitches;
+  DropPoseAtStart(set, *leg_length_m, motion, notes);
+  MOTIONDB_ASSIGN_OR_RETURN(
+      glitches,
+      ApplyGlitchPolicy(policy, FindGlitches(motion, *leg_length_m, origin), motion, notes));
+  MOTIONDB_RETURN_IF_ERROR(AddDerivedMarkers(set, *leg_length_m, motion, notes));
+  return glitches;
 }
 
 // `motion` is relative to `origin`.
@@ -85,8 +105,8 @@ absl::Status CheckPositions(const Eigen::Vector2d& origin, const MarkerMotion& m
       const Eigen::RowVector3d at = At(motion, t, m).cast<double>() + from;
       if (!(at.array().abs() > kMaxPosition_m).any()) continue;
       return InvalidArgument(
-          "frame {}, marker '{}': expected positions up to {} m, got ({}, {}, {})", t,
-          motion.names[m], kMaxPosition_m, at[0], at[1], at[2]);
+          "frame {}, marker '{}': expected positions up to {} m, got ({}, {}, {})",
+          motion.first_frame + t + 1, motion.names[m], kMaxPosition_m, at[0], at[1], at[2]);
     }
   }
   return absl::OkStatus();
@@ -214,7 +234,7 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   std::vector<std::string> found;
   if (cleaning) {
     MOTIONDB_ASSIGN_OR_RETURN(
-        glitches, CleanGlitches(*cleaning, scheme.set, origin, leg_length_m, mapped, found));
+        glitches, CleanMotion(*cleaning, scheme.set, origin, leg_length_m, mapped, found));
   }
   MOTIONDB_RETURN_IF_ERROR(CheckPositions(origin, mapped));
   if (cleaning) {

@@ -23,9 +23,12 @@ namespace motiondb::core {
 // computations (scales, tree, statistics) do not count.
 //   1  first release
 //   2  glitches are handled by the database's policy (glitch_policy.h)
+//   3  reference poses at the start are left out, feet and heads can be derived, optical marker
+//   sets
+//      are mapped by their landmarks
 // A database setting that can change while there are clips, such as mappings, needs a version
 // number of its own in ClipRecord, compared wherever this one is.
-inline constexpr int kRepresentationVersion = 2;
+inline constexpr int kRepresentationVersion = 3;
 
 // frames x 3: x and y of the reference frame's origin in the world (m), and its heading: the angle
 // of its x axis about the world's z (rad, unwrapped over time).

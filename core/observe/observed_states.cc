@@ -113,7 +113,7 @@ void MarkerStream::Push(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m)
       marker += static_cast<float>(weight) * positions_m.segment<3>(3 * point);
     }
     // A marker with one missing coordinate is missing.
-    if (marker.hasNaN()) marker.setConstant(kMissing);
+    if (mapping_.rules[m].points.empty() || marker.hasNaN()) marker.setConstant(kMissing);
   }
   ++taken_;
 }

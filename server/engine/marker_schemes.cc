@@ -12,15 +12,18 @@ absl::StatusOr<MarkerSetSetting> ResolveOwn(const std::string& name, const std::
   const core::SourceFile file{.name = "marker_set_file", .bytes = text};
   MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerScheme scheme, core::ReadMarkerSetFile(file));
   const std::string& own = scheme.set.name;
-  if (own == kStandardMarkerSet || own == kSourceMarkerSet) {
-    return core::InvalidArgument("the set in marker_set_file has the reserved name '{}'; rename it",
-                                 own);
+  const bool is_standard =
+      own == kStandardMarkerSet && scheme.set.markers == core::StandardScheme().set.markers;
+  if (own == kSourceMarkerSet || (own == kStandardMarkerSet && !is_standard)) {
+    return core::InvalidArgument(
+        "the set in marker_set_file has the reserved name '{}' but other markers; rename it", own);
   }
   if (!name.empty() && name != own) {
     return core::InvalidArgument("marker_set is '{}' but the name in marker_set_file is '{}'", name,
                                  own);
   }
-  return MarkerSetSetting{own, text};
+  // An extended set is stored with its base, which can change in a later version.
+  return MarkerSetSetting{own, is_standard ? core::WriteMarkerSetFile(scheme) : text};
 }
 
 }  // namespace

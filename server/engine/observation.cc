@@ -115,7 +115,7 @@ absl::StatusOr<core::MarkerMotion> MarkersOf(const Observation& observation,
   const RepresentationLimits limits{FrameRate(motion), max_frames, terms};
   MOTIONDB_RETURN_IF_ERROR(
       core::AtField(observation.field, CheckSize(limits, scheme->set.marker_count(), motion)));
-  const auto fitted = core::FitScheme(*scheme, motion);
+  const auto fitted = core::FitScheme(*scheme, motion, core::FitFor::kQuery);
   if (!fitted.ok()) return core::AtField(observation.field, fitted.status());
   auto markers = core::ApplyScheme(*fitted, motion, observation.leg_length_m, terms.cancelled);
   if (!markers.ok()) return core::AtField(observation.field, markers.status());

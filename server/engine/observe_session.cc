@@ -1,7 +1,10 @@
 #include "server/engine/observe_session.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "core/format/marker_set_file.h"
+#include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
 
 namespace motiondb::server {
@@ -14,26 +17,49 @@ absl::StatusOr<std::unique_ptr<ObserveSession>> ObserveSession::Open(Query query
   MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(setup.options, query.model().settings()));
   MOTIONDB_RETURN_IF_ERROR(
       query.terms().Reserve(BytesToObserve(query.model(), setup.options).kept));
+  // Labels of optical markers are mapped by name; other points also need positions. Until then, the
+  // set's own names stand for the markers, to check the other fields.
+  const core::FrameMatrix no_frames(0, 3 * std::ssize(setup.marker_names));
+  const auto fitted = core::FitScheme(
+      *scheme, core::MarkerMotion{setup.marker_names, setup.frame_rate_hz, no_frames},
+      core::FitFor::kQuery);
+  const bool needs_positions = !fitted.ok() && scheme->set.name == core::StandardScheme().set.name;
+  if (needs_positions) {
+    const absl::Status status = core::CheckPointNames(setup.marker_names);
+    if (!status.ok()) return core::AtField("marker_names", status);
+  }
   MOTIONDB_ASSIGN_OR_RETURN(
       auto observer,
-      core::Observer::Create(query.model(), *scheme, setup.marker_names, setup.frame_rate_hz,
-                             setup.leg_length_m, setup.options));
-  return std::unique_ptr<ObserveSession>(
-      new ObserveSession(std::move(query), std::move(setup.marker_names), setup.options,
-                         std::move(scheme), std::move(observer)));
+      core::Observer::Create(query.model(), fitted.ok() ? *fitted : *scheme,
+                             needs_positions ? scheme->set.markers : setup.marker_names,
+                             setup.frame_rate_hz, setup.leg_length_m, setup.options));
+  if (needs_positions) observer.reset();
+  return std::unique_ptr<ObserveSession>(new ObserveSession(
+      std::move(query), std::move(setup), std::move(scheme), std::move(observer)));
 }
 
-ObserveSession::ObserveSession(Query query, std::vector<std::string> marker_names,
-                               core::ObserverOptions options,
+ObserveSession::ObserveSession(Query query, ObserveSetup setup,
                                std::shared_ptr<const core::MarkerScheme> scheme,
                                std::unique_ptr<core::Observer> observer)
     : query_(std::move(query)),
-      marker_names_(std::move(marker_names)),
-      options_(std::move(options)),
+      setup_(std::move(setup)),
       scheme_(std::move(scheme)),
       observer_(std::move(observer)),
-      memory_(BytesToObserve(query_.model(), options_)) {
+      memory_(BytesToObserve(query_.model(), setup_.options)) {
   query_.database()->AddOpenStreams(1);
+}
+
+absl::Status ObserveSession::MapMarkers(const core::FrameMatrix& positions_m) {
+  const auto is_complete = [](const auto& row) { return row.allFinite(); };
+  if (std::ranges::none_of(positions_m.rowwise(), is_complete)) return absl::OkStatus();
+  const auto fitted = core::FitScheme(
+      *scheme_, core::MarkerMotion{setup_.marker_names, setup_.frame_rate_hz, positions_m},
+      core::FitFor::kQuery);
+  if (!fitted.ok()) return core::AtField("start.marker_names", fitted.status());
+  MOTIONDB_ASSIGN_OR_RETURN(
+      observer_, core::Observer::Create(query_.model(), *fitted, setup_.marker_names,
+                                        setup_.frame_rate_hz, setup_.leg_length_m, setup_.options));
+  return absl::OkStatus();
 }
 
 absl::StatusOr<bool> ObserveSession::SwitchModel() {
@@ -45,9 +71,9 @@ absl::StatusOr<bool> ObserveSession::SwitchModel() {
         core::NotFound("database '{}' was deleted and created again: open a new stream", name));
   }
   if (current.snapshot() == query_.snapshot()) return false;
-  MOTIONDB_RETURN_IF_ERROR(observer_->Replace(current.model()));
+  if (observer_) MOTIONDB_RETURN_IF_ERROR(observer_->Replace(current.model()));
   query_ = std::move(current);
-  memory_ = BytesToObserve(query_.model(), options_);
+  memory_ = BytesToObserve(query_.model(), setup_.options);
   return true;
 }
 
@@ -56,18 +82,20 @@ absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
   const WorkOptions& terms = query_.terms();
   MOTIONDB_ASSIGN_OR_RETURN(
       const core::FrameMatrix positions,
-      Unpack("frames", "positions", positions_m, 3 * static_cast<int>(marker_names_.size())));
-  MOTIONDB_RETURN_IF_ERROR(CheckMarkers("frames.positions", marker_names_, positions));
+      Unpack("frames", "positions", positions_m, 3 * static_cast<int>(setup_.marker_names.size())));
+  MOTIONDB_RETURN_IF_ERROR(CheckMarkers("frames.positions", setup_.marker_names, positions));
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(memory_.kept + memory_.answer));
   ObserveStep step;
   MOTIONDB_ASSIGN_OR_RETURN(step.model_replaced, SwitchModel());
+  step.model_version = query_.snapshot()->record.version;
+  step.calibration = query_.snapshot()->calibration;
+  if (observer_ == nullptr) MOTIONDB_RETURN_IF_ERROR(MapMarkers(positions));
+  if (observer_ == nullptr) return step;
   if (const absl::Status appended = observer_->Append(first_frame, positions, terms.cancelled);
       !appended.ok()) {
     return core::AtField("frames", appended);
   }
   MOTIONDB_ASSIGN_OR_RETURN(step.observed, observer_->Answer(terms.cancelled));
-  step.model_version = query_.snapshot()->record.version;
-  step.calibration = query_.snapshot()->calibration;
   step.late_frames = observer_->late_frames();
   step.missing_frames = observer_->missing_frames();
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(memory_.kept));

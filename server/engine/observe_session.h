@@ -37,8 +37,9 @@ struct ObserveStep {
 
 class ObserveSession {
  public:
-  // Keeps the terms of the query for the whole stream. INVALID_ARGUMENT naming the field of the
-  // setup; RESOURCE_EXHAUSTED.
+  // Keeps the terms of the query for the whole stream. Names that fit no mapping are mapped
+  // automatically with the first message in which a frame has all markers. INVALID_ARGUMENT naming
+  // the field of the setup; RESOURCE_EXHAUSTED.
   static absl::StatusOr<std::unique_ptr<ObserveSession>> Open(Query query, ObserveSetup setup);
 
   ~ObserveSession() { query_.database()->AddOpenStreams(-1); }
@@ -47,21 +48,22 @@ class ObserveSession {
 
   // Processes frames first_frame, first_frame + 1, ... (frames x 3 markers, m, world frame); see
   // core::Observer::Append. NOT_FOUND if the database was deleted, FAILED_PRECONDITION if it has no
-  // clips left, RESOURCE_EXHAUSTED; also the codes of the observer.
+  // clips left, RESOURCE_EXHAUSTED, INVALID_ARGUMENT if the markers cannot be mapped; also the
+  // codes of the observer.
   absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const PackedFrames& positions_m);
 
  private:
-  ObserveSession(Query query, std::vector<std::string> marker_names, core::ObserverOptions options,
-                 std::shared_ptr<const core::MarkerScheme> scheme,
+  ObserveSession(Query query, ObserveSetup setup, std::shared_ptr<const core::MarkerScheme> scheme,
                  std::unique_ptr<core::Observer> observer);
+  // Creates the observer if a frame has all markers.
+  absl::Status MapMarkers(const core::FrameMatrix& positions_m);
   // Switches to the current model. Returns whether it changed.
   absl::StatusOr<bool> SwitchModel();
 
   Query query_;
-  const std::vector<std::string> marker_names_;
-  const core::ObserverOptions options_;
+  const ObserveSetup setup_;
   const std::shared_ptr<const core::MarkerScheme> scheme_;
-  const std::unique_ptr<core::Observer> observer_;
+  std::unique_ptr<core::Observer> observer_;  // null: the markers are not mapped yet
   ObserveMemory memory_;
 };
 

@@ -119,8 +119,10 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     std::vector<std::string>* notes) {
   MOTIONDB_RETURN_IF_ERROR(CheckSize(limits, scheme.set.marker_count(), motion));
   std::string note;
-  MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerScheme fitted,
-                            core::FitScheme(scheme, motion, &note));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const core::MarkerScheme fitted,
+      core::FitScheme(scheme, motion, cleaning ? core::FitFor::kClip : core::FitFor::kQuery,
+                      &note));
   if (notes != nullptr && !note.empty()) notes->push_back(note);
   return core::Represent(fitted, motion, limits.frame_rate_hz, cleaning, leg_length_m, notes,
                          limits.terms.cancelled);

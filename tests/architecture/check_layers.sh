@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.."
 declare -A may_include=(
   [text]="text"
   [core/motion]="core/motion"
-  [core/format]="core/format core/motion text"
+  [core/format]="core/format core/mapping core/motion text"
   [core/mapping]="core/mapping core/motion"
   [core/kinematics]="core/kinematics core/motion"
   [core/tree]="core/tree core/motion"

@@ -49,7 +49,7 @@ std::vector<Glitch> Find(const MarkerMotion& motion) {
 
 std::string Text(const std::vector<Glitch>& glitches, const MarkerMotion& motion) {
   std::string text;
-  for (const Glitch& glitch : glitches) text += core::Describe(glitch, motion.names) + "; ";
+  for (const Glitch& glitch : glitches) text += core::Describe(glitch, motion) + "; ";
   return text;
 }
 

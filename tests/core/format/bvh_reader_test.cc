@@ -204,12 +204,12 @@ TEST_CASE("BVH: without a person, assumes cm and y up and reports it", "[core][f
       "Frame Time: 1\n0\n");
   REQUIRE(file.ok());
   CHECK(core::Describe(file->report) ==
-        "unit 0.01 m (assumed), y up (assumed); no head and feet among the joints' names: cm "
-        "assumed");
+        "unit 0.01 m (assumed), y up (assumed); no figure of a person: 0.01 m per unit assumed");
   const auto giant = ReadBvh(Figure("OFFSET 0 60 0", "OFFSET 0 400 0"));
   REQUIRE(giant.ok());
   CHECK(giant->report.unit_provenance == Provenance::kAssumed);
-  CHECK_THAT(core::Describe(giant->report), Contains("fits no known unit"));
+  CHECK_THAT(core::Describe(giant->report),
+             Contains("fits no known unit: scaled to a stature of 1.7 m"));
 }
 
 TEST_CASE("BVH: the up axis points to the head in the motion, not in the zero pose",

@@ -81,7 +81,7 @@ TEST_CASE("C3D: units and up axes, stated, deduced, assumed and given", "[core][
         "unit 0.001 m (deduced), z up (deduced)");
   builder.labels = {"a", "b"};
   CHECK(core::Describe(ReadC3d(builder.Build())->report) ==
-        "unit 0.001 m (assumed), z up (assumed)");
+        "unit 0.001 m (assumed), z up (assumed); no figure of a person: 0.001 m per unit assumed");
   const auto given =
       ReadC3d(builder.Build(), {.metres_per_unit = 1, .up_axis = UpAxis::kX, .frame_rate_hz = 10});
   CHECK(Markers(given).positions_m(0, 2) == Approx(100));

@@ -3,6 +3,8 @@
 #include <array>
 #include <catch2/catch.hpp>
 
+#include "core/format/deduced_conventions.h"
+
 namespace motiondb::tests::conventions_test {
 
 using core::FileFormat;
@@ -25,21 +27,22 @@ TEST_CASE("WorldFromFile: a proper rotation from the up axis to z", "[core][form
   }
 }
 
-TEST_CASE("DeduceUpAxis: heads above feet, in most frames", "[core][format]") {
+TEST_CASE("DeduceConventions: heads above feet, in most frames", "[core][format]") {
   const std::vector<std::string> names = {"Anna:LFHD", "pelvis", "RANK"};
   core::FrameMatrix positions(5, 9);
   for (int frame = 0; frame < 5; ++frame) positions.row(frame) << 1, 17, 2, 0, 9, 0, 1, 1, 3;
-  CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
+  CHECK(core::DeduceConventions(names, positions).up_axis == UpAxis::kY);
   positions.row(1) << 17, 1, 2, 9, 0, 0, 1, 1, 3;  // lies down for some frames
   positions.row(2) = positions.row(1);
-  CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
-  CHECK(core::DeduceUpAxis(names, -positions) == UpAxis::kMinusY);
+  CHECK(core::DeduceConventions(names, positions).up_axis == UpAxis::kY);
+  CHECK(core::DeduceConventions(names, -positions).up_axis == UpAxis::kMinusY);
   positions.row(0).setConstant(std::numeric_limits<float>::quiet_NaN());  // not seen
   positions.row(1).setConstant(std::numeric_limits<float>::quiet_NaN());
-  CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
+  CHECK(core::DeduceConventions(names, positions).up_axis == UpAxis::kY);
   for (int frame = 0; frame < 5; ++frame) positions.row(frame) << 9, 9, 2, 0, 9, 0, 1, 1, 3;
-  CHECK_FALSE(core::DeduceUpAxis(names, positions).has_value());  // ambiguous
-  CHECK_FALSE(core::DeduceUpAxis(std::vector<std::string>{"a", "b", "c"}, positions).has_value());
+  CHECK_FALSE(core::DeduceConventions(names, positions).up_axis.has_value());  // ambiguous
+  CHECK_FALSE(core::DeduceConventions(std::vector<std::string>{"a", "b", "c"}, positions)
+                  .up_axis.has_value());
 }
 
 TEST_CASE("SnapFrameRate: to a near customary rate, or unchanged", "[core][format]") {

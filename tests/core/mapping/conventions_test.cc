@@ -5,7 +5,8 @@
 #include <set>
 
 #include "core/format/marker_set_file.h"
-#include "core/mapping/automatic_mapping.h"
+#include "core/mapping/figure_mapping.h"
+#include "core/mapping/fit_scheme.h"
 #include "core/motion/states.h"
 #include "tests/core/mapping/convention_body.h"
 #include "tests/core/mapping/conventions/skeleton_conventions.h"
@@ -25,15 +26,7 @@ const std::set<std::string> kUnsupported = {
     // Names of one or two letters, several joints in one place.
     "kit_mmm", "kit_mmm_segment_joints", "kit_ml_21",
     // Names that mean other points elsewhere.
-    "nuitrack", "mpi_inf_3dhp_28",
-    // Optical markers on the skin.
-    "plug_in_gait_full_body_39", "plug_in_gait_full_body_subject_prefix", "plug_in_gait_lower_body",
-    "cgm2_lower_body_medial", "cgm_joint_centres", "helen_hayes_sacral",
-    "helen_hayes_sacral_medial", "human_body_model_47", "cmu_41", "cmu_41_subject_prefix",
-    "vicon_front_waist_53", "vicon_production_waist_53", "vicon_front_waist_fingers",
-    "qualisys_sports", "qualisys_sports_without_medial", "qualisys_sports_prefix",
-    "optitrack_conventional_39", "optitrack_biomech_57", "rizzoli_lower_body", "rizzoli_full_body",
-    "kit_mmm_53"};
+    "nuitrack", "mpi_inf_3dhp_28"};
 
 // Returns the median and the maximum over the markers of their median distances, leg lengths.
 // Missing markers do not count.
@@ -78,12 +71,11 @@ TEST_CASE("MapFigure: published skeletons and labelled points of many tools", "[
       CAPTURE(convention.name);
       ++count;
       const core::PointCloud points = PointsOf(convention, bodies);
-      const core::Figure figure = core::FindFigure(points);
-      const auto mapping = core::MapFigure(scheme.set, figure, points);
-      INFO(mapping.status().ToString() << '\n' << core::DescribeFigure(figure));
-      bool is_supported = mapping.ok();
+      const auto found = core::MapAutomatically(scheme.set, points);
+      INFO(found.status().ToString() << '\n' << core::DescribeFigure(core::FindFigure(points)));
+      bool is_supported = found.ok();
       if (is_supported) {
-        const auto [median, maximum] = Errors(*mapping, points, bodies, leg);
+        const auto [median, maximum] = Errors(found->mapping, points, bodies, leg);
         CAPTURE(median, maximum);
         is_supported = median < kMaxMedian && maximum < kMaxError;
       }

@@ -182,7 +182,8 @@ TEST_CASE("FitScheme: renamed joints give the same markers", "[core][mapping]") 
       CAPTURE(clip, convention.name);
       const core::Motion renamed = Renamed(motion, NamesIn(convention));
       std::string note;
-      const auto fitted = core::FitScheme(core::StandardScheme(), renamed, &note);
+      const auto fitted =
+          core::FitScheme(core::StandardScheme(), renamed, core::FitFor::kClip, &note);
       INFO(fitted.status().ToString());
       REQUIRE(fitted.ok());
       CHECK_THAT(note, Catch::StartsWith("joints mapped automatically"));
@@ -201,7 +202,7 @@ TEST_CASE("FitScheme: joints without meaningful names are mapped by structure", 
     if (!joint.name.ends_with("_end")) names[joint.name] = "j" + std::to_string(names.size());
   }
   const core::Motion renamed = Renamed(motion, names);
-  const auto fitted = core::FitScheme(core::StandardScheme(), renamed);
+  const auto fitted = core::FitScheme(core::StandardScheme(), renamed, core::FitFor::kClip);
   INFO(fitted.status().ToString());
   REQUIRE(fitted.ok());
   const auto distances =
@@ -215,8 +216,8 @@ TEST_CASE("FitScheme: names of the wrong side are reported, not followed", "[cor
     CAPTURE(clip);
     Convention mirrored = kConventions[1];
     std::swap(mirrored.left, mirrored.right);
-    const auto fitted =
-        core::FitScheme(core::StandardScheme(), Renamed(Recorded(clip), NamesIn(mirrored)));
+    const auto fitted = core::FitScheme(
+        core::StandardScheme(), Renamed(Recorded(clip), NamesIn(mirrored)), core::FitFor::kClip);
     REQUIRE(fitted.status().code() == absl::StatusCode::kInvalidArgument);
     CHECK_THAT(std::string(fitted.status().message()), Catch::Contains("mirrored"));
   }
@@ -227,7 +228,8 @@ TEST_CASE("FitScheme: names of different sides in one limb are reported", "[core
   Names names = NamesIn(kConventions[1]);
   std::swap(names.at("lfemur"), names.at("rfemur"));
   std::swap(names.at("ltibia"), names.at("rtibia"));
-  const auto fitted = core::FitScheme(core::StandardScheme(), Renamed(Recorded(kClips[0]), names));
+  const auto fitted = core::FitScheme(core::StandardScheme(), Renamed(Recorded(kClips[0]), names),
+                                      core::FitFor::kClip);
   REQUIRE(fitted.status().code() == absl::StatusCode::kInvalidArgument);
   CHECK_THAT(std::string(fitted.status().message()), Catch::Contains("names of sides"));
 }
@@ -242,7 +244,7 @@ TEST_CASE("FitScheme: skeletons of other sources give nearly the markers of thei
     const core::JointMotion motion = Recorded(path);
     core::MarkerScheme without_mappings = core::StandardScheme();
     without_mappings.mappings.clear();
-    const auto fitted = core::FitScheme(without_mappings, motion);
+    const auto fitted = core::FitScheme(without_mappings, motion, core::FitFor::kClip);
     INFO(fitted.status().ToString());
     REQUIRE(fitted.ok());
     const auto distances =
@@ -274,7 +276,7 @@ TEST_CASE("FitScheme: a skeleton without toes gets toes in front of its ankles",
   core::JointMotion without{
       std::make_shared<const core::Skeleton>(*std::move(skeleton)), motion.frame_rate_hz, {}};
   without.angles = motion.angles(Eigen::all, columns);
-  const auto fitted = core::FitScheme(core::StandardScheme(), without);
+  const auto fitted = core::FitScheme(core::StandardScheme(), without, core::FitFor::kClip);
   INFO(fitted.status().ToString());
   REQUIRE(fitted.ok());
   const auto distances =
@@ -302,7 +304,7 @@ TEST_CASE("FitScheme: the search is bounded in a bush of equal limbs", "[core][m
   REQUIRE(bush.ok());
   const core::JointMotion motion{std::make_shared<const core::Skeleton>(*std::move(bush)), 30,
                                  core::JointMatrix::Zero(24, 0)};
-  CHECK(!core::FitScheme(core::StandardScheme(), motion).ok());
+  CHECK(!core::FitScheme(core::StandardScheme(), motion, core::FitFor::kClip).ok());
 }
 
 TEST_CASE("FitScheme: what is no person is rejected with a reason", "[core][mapping]") {
@@ -315,7 +317,7 @@ TEST_CASE("FitScheme: what is no person is rejected with a reason", "[core][mapp
   REQUIRE(chain.ok());
   const core::JointMotion motion{std::make_shared<const core::Skeleton>(*std::move(chain)), 30,
                                  core::JointMatrix::Zero(5, 0)};
-  const auto fitted = core::FitScheme(core::StandardScheme(), motion);
+  const auto fitted = core::FitScheme(core::StandardScheme(), motion, core::FitFor::kClip);
   REQUIRE(fitted.status().code() == absl::StatusCode::kInvalidArgument);
   CHECK_THAT(std::string(fitted.status().message()),
              Catch::Contains("no figure of a person") && Catch::Contains("'base'"));

@@ -77,8 +77,10 @@ auto Place(MarkerMotion& motion, int frame, int marker) {
 std::vector<Glitch> Find(const MarkerMotion& motion) { return core::FindGlitches(motion, kLeg_m); }
 
 std::string Text(const std::vector<Glitch>& glitches) {
+  MarkerMotion named;
+  named.names = {kNames.begin(), kNames.end()};
   std::string text;
-  for (const Glitch& glitch : glitches) text += core::Describe(glitch, kNames) + "\n";
+  for (const Glitch& glitch : glitches) text += core::Describe(glitch, named) + "\n";
   return text;
 }
 

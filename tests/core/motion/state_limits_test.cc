@@ -35,7 +35,7 @@ TEST_CASE("Represent: a marker too far away is refused with frame and name",
     for (const auto& cleaning : {core::Cleaning(core::GlitchPolicy::kKeep), core::kObservation}) {
       const auto states = Represented(motion, cleaning);
       REQUIRE(states.status().code() == absl::StatusCode::kInvalidArgument);
-      CHECK_THAT(std::string(states.status().message()), Contains("frame 2, marker 'head'"));
+      CHECK_THAT(std::string(states.status().message()), Contains("frame 3, marker 'head'"));
     }
   }
   REQUIRE(Represented(Hips(0.9F), core::GlitchPolicy::kRepair).ok());

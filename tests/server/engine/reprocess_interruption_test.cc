@@ -17,13 +17,19 @@ namespace {
 using storage::OperationKind;
 using storage::OperationState;
 
+// Returns the statement that marks clips as derived by this version.
+std::string SetVersion(const std::string& more) {
+  return fmt::format("UPDATE clip SET representation_version = {0}, tried_version = {0}{1}",
+                     core::kRepresentationVersion, more);
+}
+
 TEST_CASE("Reprocess: a new server completes an interrupted run", "[server][reprocess]") {
   TestEngine engine;
   FillWithOutdated(engine);
-  RunSql(engine,
-         "UPDATE clip SET representation_version = 2, tried_version = 2 WHERE id <> 'short'; "
-         "UPDATE operation SET state = 'running' "
-         "WHERE sequence = (SELECT max(sequence) FROM operation)");
+  RunSql(engine, SetVersion("") +
+                     " WHERE id <> 'short'; "
+                     "UPDATE operation SET state = 'running' "
+                     "WHERE sequence = (SELECT max(sequence) FROM operation)");
   engine.Start();
   CHECK_THAT(AwaitOperations(engine).stage, Catch::Contains("clips derived again: 1,"));
   CHECK(engine->store().ReadClipStates("db", "short")->glitches.empty());
@@ -36,10 +42,11 @@ TEST_CASE("Reprocess: a forced run resumes with the clips that were not yet trie
   TestEngine engine;
   FillWithOutdated(engine);
   RunSql(engine,
-         "UPDATE clip SET representation_version = 2, tried_version = 2, tried_time_us = 1000; "
-         "UPDATE clip SET tried_time_us = 3000 WHERE id = 'short'; "
-         "UPDATE operation SET kind = 'reprocess', state = 'running', create_time_us = 2000 "
-         "WHERE sequence = (SELECT max(sequence) FROM operation)");
+         SetVersion(", tried_time_us = 1000") +
+             "; "
+             "UPDATE clip SET tried_time_us = 3000 WHERE id = 'short'; "
+             "UPDATE operation SET kind = 'reprocess', state = 'running', create_time_us = 2000 "
+             "WHERE sequence = (SELECT max(sequence) FROM operation)");
   engine.Start();
   const auto operation = AwaitOperations(engine);
   CHECK(operation.kind == OperationKind::kReprocess);

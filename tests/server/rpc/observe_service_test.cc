@@ -10,6 +10,7 @@
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
 #include "tests/server/rpc/status_of.h"
+#include "tests/support/real_data.h"
 
 namespace motiondb::tests::observe_service_test {
 namespace {
@@ -115,6 +116,92 @@ TEST_CASE("Observe: each message is answered in order, about all frames so far",
   v1::ObserveResponse none;
   CHECK_FALSE(stream.Receive(none));
   CHECK(stream.Finish().ok());
+}
+
+// The points of COCO (17), and the standard markers in their places.
+constexpr std::pair<const char*, const char*> kCameraPoints[] = {
+    {"nose", "HeadTop"},      {"left_eye", "HeadTop"},         {"right_eye", "HeadTop"},
+    {"left_ear", "Head"},     {"right_ear", "Head"},           {"left_shoulder", "LShoulder"},
+    {"left_elbow", "LElbow"}, {"right_shoulder", "RShoulder"}, {"right_elbow", "RElbow"},
+    {"left_wrist", "LWrist"}, {"right_wrist", "RWrist"},       {"left_hip", "LHip"},
+    {"right_hip", "RHip"},    {"left_knee", "LKnee"},          {"right_knee", "RKnee"},
+    {"left_ankle", "LAnkle"}, {"right_ankle", "RAnkle"}};
+
+v1::MarkerObservation SeenByCamera(const v1::MarkerObservation& motion) {
+  v1::MarkerObservation seen;
+  seen.set_frame_rate_hz(motion.frame_rate_hz());
+  seen.set_frame_count(motion.frame_count());
+  for (const auto& [name, marker] : kCameraPoints) seen.add_marker_names(name);
+  constexpr std::size_t kPoint = 3 * sizeof(float);
+  for (int frame = 0; frame < motion.frame_count(); ++frame) {
+    for (const auto& [name, marker] : kCameraPoints) {
+      const auto at = std::ranges::find(motion.marker_names(), marker);
+      REQUIRE(at != motion.marker_names().end());
+      const auto index = frame * motion.marker_names_size() + (at - motion.marker_names().begin());
+      seen.mutable_positions()->append(motion.positions(), index * kPoint, kPoint);
+    }
+  }
+  return seen;
+}
+
+TEST_CASE("Observe: a camera's 17 points are mapped automatically", "[server][rpc][data]") {
+  MOTIONDB_REQUIRE_DATA();
+  TestServer server;
+  v1::CreateDatabaseRequest create;
+  create.set_database_id("db");
+  REQUIRE(Ask(*server.NewStub<v1::DatabaseService>(), &v1::DatabaseService::Stub::CreateDatabase,
+              create)
+              .status.ok());
+  v1::RepresentRequest represent;
+  represent.set_database("databases/db");
+  v1::IngestClipResponse ingested;
+  for (const char* name : {"13/13_11.bvh", "10/10_01.bvh"}) {
+    v1::IngestClipHeader header;
+    header.set_parent("databases/db");
+    header.set_file_name("motion.bvh");
+    header.set_label(name);
+    auto& file = *represent.mutable_observation()->mutable_file();
+    file.set_file_name("motion.bvh");
+    file.set_data(ReadFile(DataDir() / "cmu" / name));
+    REQUIRE(server.Ingest(header, file.data(), &ingested).ok());
+  }
+  REQUIRE(server.Wait(ingested.operation().name()).state() == v1::OPERATION_STATE_SUCCEEDED);
+  const auto stub = server.NewStub<v1::ObserveService>();
+  const auto markers = Ask(*stub, &Stub::Represent, represent);
+  REQUIRE(markers.status.ok());
+  const v1::MarkerObservation seen = SeenByCamera(markers.response.markers());
+
+  Stream stream(server);
+  REQUIRE(stream.Send(Start(seen)));
+  v1::ObserveRequest hidden = Frames(seen, 20, 1, 20);  // one point is not seen
+  std::string missing;
+  for (int axis = 0; axis < 3; ++axis) missing += std::string("\x00\x00\xc0\x7f", 4);
+  hidden.mutable_frames()->mutable_positions()->replace(0, missing.size(), missing);
+  CHECK_FALSE(stream.Ask(hidden).has_state());
+  const auto answer = stream.Ask(Frames(seen, 21, 200, 21));
+  REQUIRE(answer.has_state());
+  // Markers that the camera does not see are missing, which changes little.
+  Stream full(server);
+  REQUIRE(full.Send(Start(markers.response.markers())));
+  const auto expected = full.Ask(Frames(markers.response.markers(), 20, 201, 20));
+  REQUIRE(answer.labels_size() == 2);
+  CHECK(answer.labels(0).label() == "10/10_01.bvh");
+  CHECK(answer.labels(0).label() == expected.labels(0).label());
+  CHECK(answer.familiarity() == Approx(expected.familiarity()).margin(0.1));
+  CHECK(answer.state().probability() > 0.5);
+  stream.Close();
+  CHECK(stream.Finish().ok());
+  CHECK(ViolatedFields([&] {
+          v1::ObserveRequest unknown = Start(seen);
+          unknown.mutable_start()->set_marker_names(0, "hat");
+          unknown.mutable_start()->set_marker_names(13, "box");  // no left knee
+          Stream refused(server);
+          refused.Send(unknown);
+          v1::ObserveResponse response;
+          while (refused.Receive(response)) {
+          }
+          return refused.Finish();
+        }()) == "start.marker_names");
 }
 
 TEST_CASE("Observe: late frames are ignored, frames that never arrive are missing",

@@ -1,4 +1,4 @@
-// Mapping of any humanoid figure to the standard marker set.
+// Mapping of a figure to the standard marker set.
 #pragma once
 
 #include <string>
@@ -17,6 +17,10 @@ namespace motiondb::core {
 // kMinRoleConfidence. REQUIRES: `set` has the markers of standard34.
 absl::StatusOr<MarkerMapping> MapFigure(const MarkerSet& set, const Figure& figure,
                                         const PointCloud& points);
+
+// Returns the markers of the standard set that MapFigure derives from distant points, because the
+// figure has no point near them.
+std::vector<std::string> DerivedMarkersOf(const Figure& figure, bool has_hierarchy);
 
 // Returns one line of text for each role: role, joint or marker, confidence; or "derived".
 std::string DescribeFigure(const Figure& figure);

@@ -1,33 +1,18 @@
-#include "core/mapping/automatic_mapping.h"
+#include "core/mapping/figure_mapping.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "core/mapping/point_sum.h"
+#include "core/motion/derived_markers.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {
 namespace {
 
-// A weighted sum of points (weights sum to 1); empty: unknown.
-using Sum = std::map<int, double>;
-
-Sum Point(const RolePoint& point) { return point.is_found() ? Sum{{point.index, 1}} : Sum{}; }
-
-// Returns the weighted total; empty if one of the sums is.
-Sum Total(const std::vector<std::pair<double, Sum>>& sums) {
-  Sum total;
-  for (const auto& [factor, sum] : sums) {
-    if (sum.empty()) return {};
-    for (const auto& [point, weight] : sum) total[point] += factor * weight;
-  }
-  std::erase_if(total, [](const auto& term) { return term.second == 0; });
-  return total;
-}
-
-// Returns a + share * (b - a).
-Sum Between(const Sum& a, const Sum& b, double share) {
-  return Total({{1 - share, a}, {share, b}});
+PointSum Point(const RolePoint& point) {
+  return point.is_found() ? PointSum{{point.index, 1}} : PointSum{};
 }
 
 // Proportions of the figures that the standard set was made for, in leg lengths (hip to knee to
@@ -59,11 +44,11 @@ class FigureMarkers {
     const auto left = [&](Role role) { return Point(figure_.at(role, Side::kLeft)); };
     leg_ = Distance(left(Role::kHip), left(Role::kKnee)) +
            Distance(left(Role::kKnee), left(Role::kAnkle));
-    const Sum hips = Middle(Role::kHip);
+    const PointSum hips = Middle(Role::kHip);
     trunk_ = Distance(hips, Middle(Role::kShoulder)) / leg_;
     line_.push_back(hips);
     for (const int joint : figure_.spine) line_.push_back({{joint, 1}});
-    for (const Sum& point : {Neck(), Head(), Point(figure_.at(Role::kHeadTop))}) {
+    for (const PointSum& point : {Neck(), Head(), Point(figure_.at(Role::kHeadTop))}) {
       if (!point.empty() && point != line_.back()) line_.push_back(point);
     }
     line_at_.push_back(0);
@@ -72,10 +57,13 @@ class FigureMarkers {
     }
   }
 
-  std::map<std::string, Sum> All() const {
-    std::map<std::string, Sum> markers;
+  // False if no frame has the points of the legs and the trunk.
+  bool has_size() const { return leg_ > 0 && trunk_ > 0; }
+
+  std::map<std::string, PointSum> All() const {
+    std::map<std::string, PointSum> markers;
     const double neck_at = (trunk_ < kMinTrunk ? kTrunk : trunk_) - kNeckBelow;
-    const Sum neck = AlongLine(neck_at);
+    const PointSum neck = AlongLine(neck_at);
     markers["Pelvis"] = line_.front();
     markers["Waist"] = AlongLine(kWaistShare * neck_at);
     markers["Spine"] = AlongLine(kSpineShare * neck_at);
@@ -90,14 +78,14 @@ class FigureMarkers {
   }
 
  private:
-  void AddLeg(Side side, std::map<std::string, Sum>& markers) const {
+  void AddLeg(Side side, std::map<std::string, PointSum>& markers) const {
     const std::string s = Letter(side);
     const auto at = [&](Role role) { return Point(figure_.at(role, side)); };
-    const Sum hip = at(Role::kHip);
-    const Sum knee = at(Role::kKnee);
-    const Sum ankle = at(Role::kAnkle);
-    const Sum heel = at(Role::kHeel);
-    const Sum toe =
+    const PointSum hip = at(Role::kHip);
+    const PointSum knee = at(Role::kKnee);
+    const PointSum ankle = at(Role::kAnkle);
+    const PointSum heel = at(Role::kHeel);
+    const PointSum toe =
         at(Role::kToe).empty() ? Between(ankle, at(Role::kToeTip), kBallShare) : at(Role::kToe);
     markers[s + "Hip"] = hip;
     markers[s + "Knee"] = knee;
@@ -109,37 +97,37 @@ class FigureMarkers {
     markers[s + "Shin"] = Between(knee, ankle, 0.5);
   }
 
-  void AddArm(Side side, const Sum& neck, const Sum& waist,
-              std::map<std::string, Sum>& markers) const {
+  void AddArm(Side side, const PointSum& neck, const PointSum& waist,
+              std::map<std::string, PointSum>& markers) const {
     const std::string s = Letter(side);
     const auto at = [&](Role role, Side of) { return Point(figure_.at(role, of)); };
     const Side other = side == Side::kLeft ? Side::kRight : Side::kLeft;
-    const Sum own = at(Role::kShoulder, side);
-    const Sum opposite = at(Role::kShoulder, other);
+    const PointSum own = at(Role::kShoulder, side);
+    const PointSum opposite = at(Role::kShoulder, other);
     const double breadth = Distance(own, opposite) / leg_;
     const double widening =
         breadth > 0 && breadth < kMinBreadth ? std::min(kMaxWidening, kBreadth / breadth) : 1;
     // Outwards by part of the line between the shoulders, upwards along the trunk.
     const double trunk = Distance(waist, neck) / leg_;
     const double raising = trunk_ < kMinTrunk && trunk > 0 ? (kTrunk - trunk_) / trunk : 0;
-    const auto moved = [&](const Sum& point, double share) {
+    const auto moved = [&](const PointSum& point, double share) {
       const double out = share * (widening - 1) / 2;
       return Total({{1, point}, {out, own}, {-out, opposite}, {raising, neck}, {-raising, waist}});
     };
-    const Sum elbow_joint = at(Role::kElbow, side);
-    Sum wrist_joint = at(Role::kWrist, side);
+    const PointSum elbow_joint = at(Role::kElbow, side);
+    PointSum wrist_joint = at(Role::kWrist, side);
     const double forearm = Distance(elbow_joint, wrist_joint) / leg_;
     const double lengthening = forearm > 0 && forearm < kMinForearm ? kForearm / forearm : 1;
-    const Sum hand_joint = at(Role::kHand, side);
-    const Sum hand = hand_joint.empty()
-                         ? Between(elbow_joint, wrist_joint, lengthening + kHandShare)
-                         : Total({{1, Between(wrist_joint, hand_joint, 0.5)},
-                                  {lengthening - 1, wrist_joint},
-                                  {1 - lengthening, elbow_joint}});
+    const PointSum hand_joint = at(Role::kHand, side);
+    const PointSum hand = hand_joint.empty()
+                              ? Between(elbow_joint, wrist_joint, lengthening + kHandShare)
+                              : Total({{1, Between(wrist_joint, hand_joint, 0.5)},
+                                       {lengthening - 1, wrist_joint},
+                                       {1 - lengthening, elbow_joint}});
     wrist_joint = Between(elbow_joint, wrist_joint, lengthening);
-    const Sum shoulder = moved(own, 1);
-    const Sum elbow = moved(elbow_joint, kElbowShare);
-    const Sum wrist = moved(wrist_joint, kElbowShare);
+    const PointSum shoulder = moved(own, 1);
+    const PointSum elbow = moved(elbow_joint, kElbowShare);
+    const PointSum wrist = moved(wrist_joint, kElbowShare);
     markers[s + "Clavicle"] = Between(neck, shoulder, 0.5);
     markers[s + "Shoulder"] = shoulder;
     markers[s + "UpperArm"] = Between(shoulder, elbow, 0.5);
@@ -149,25 +137,25 @@ class FigureMarkers {
     markers[s + "Hand"] = moved(hand, kElbowShare);
   }
 
-  Sum Middle(Role role) const {
+  PointSum Middle(Role role) const {
     return Between(Point(figure_.at(role, Side::kLeft)), Point(figure_.at(role, Side::kRight)),
                    0.5);
   }
 
-  Sum Neck() const {
-    const Sum neck = Point(figure_.at(Role::kNeck));
+  PointSum Neck() const {
+    const PointSum neck = Point(figure_.at(Role::kNeck));
     return neck.empty() ? Middle(Role::kShoulder) : neck;
   }
 
-  Sum Head() const {
+  PointSum Head() const {
     if (figure_.at(Role::kHead).is_found()) return Point(figure_.at(Role::kHead));
-    if (const Sum ears = Middle(Role::kEar); !ears.empty()) return ears;
-    if (const Sum eyes = Middle(Role::kEye); !eyes.empty()) return eyes;
+    if (const PointSum ears = Middle(Role::kEar); !ears.empty()) return ears;
+    if (const PointSum eyes = Middle(Role::kEye); !eyes.empty()) return eyes;
     return Point(figure_.at(Role::kNose));
   }
 
   // Median distance over the frames.
-  double Distance(const Sum& a, const Sum& b) const {
+  double Distance(const PointSum& a, const PointSum& b) const {
     std::vector<double> distances;
     for (const auto& frame : points_.frames) {
       Eigen::Vector3d difference = Eigen::Vector3d::Zero();
@@ -183,7 +171,7 @@ class FigureMarkers {
 
   // Returns the point at this distance (leg lengths) from the hips along spine, neck and head; on
   // the last segment extended beyond its end.
-  Sum AlongLine(double distance) const {
+  PointSum AlongLine(double distance) const {
     std::size_t end = 1;
     while (end + 1 < line_at_.size() && line_at_[end] < distance) ++end;
     // A short last segment has no reliable direction.
@@ -198,17 +186,9 @@ class FigureMarkers {
   const PointCloud& points_;
   double leg_ = 1;
   double trunk_ = 0;             // leg lengths
-  std::vector<Sum> line_;        // hips, spine, neck, head
+  std::vector<PointSum> line_;   // hips, spine, neck, head
   std::vector<double> line_at_;  // leg lengths from the hips along the line
 };
-
-// A foot without toes: ball of the foot and heel relative to the ankle, in leg lengths.
-struct FootPoint {
-  const char* marker;
-  double forward;
-  double up;
-};
-constexpr FootPoint kFoot[] = {{"Toe", 0.14, -0.07}, {"Heel", -0.05, -0.06}};
 
 // Returns the mean, over the frames, of a vector in the frame of a joint; the vector is given by
 // its components in front of the body and upwards along the trunk.
@@ -260,6 +240,31 @@ std::string DescribeFigure(const Figure& figure) {
   return text;
 }
 
+std::vector<std::string> DerivedMarkersOf(const Figure& figure, bool has_hierarchy) {
+  std::vector<std::string> derived;
+  const auto add_if = [&](bool is_derived, std::initializer_list<const char*> markers) {
+    if (is_derived) derived.insert(derived.end(), markers.begin(), markers.end());
+  };
+  const auto has = [&](Role role, Side side = Side::kNone) {
+    return figure.at(role, side).is_found();
+  };
+  const bool has_spine = !figure.spine.empty();
+  add_if(!has_spine, {"Waist", "Spine"});
+  add_if(!has_spine && !has(Role::kNeck), {"Neck", "LClavicle", "RClavicle"});
+  add_if(!has(Role::kHead) && !has(Role::kHeadTop) &&
+             !(has(Role::kEar, Side::kLeft) && has(Role::kEar, Side::kRight)),
+         {"Head", "HeadTop"});
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    const bool left = side == Side::kLeft;
+    const bool has_toes = has(Role::kToe, side) || has(Role::kToeTip, side);
+    add_if(!has_toes, {left ? "LToe" : "RToe"});
+    add_if(!has_toes && !has(Role::kHeel, side), {left ? "LHeel" : "RHeel"});
+    // A skeleton's hand continues its forearm.
+    add_if(!has_hierarchy && !has(Role::kHand, side), {left ? "LHand" : "RHand"});
+  }
+  return derived;
+}
+
 absl::StatusOr<MarkerMapping> MapFigure(const MarkerSet& set, const Figure& figure,
                                         const PointCloud& points) {
   if (!figure.problem.empty()) return InvalidArgument("{}", figure.problem);
@@ -273,31 +278,19 @@ absl::StatusOr<MarkerMapping> MapFigure(const MarkerSet& set, const Figure& figu
           kMinRoleConfidence);
     }
   }
-  const std::map<std::string, Sum> markers = FigureMarkers(figure, points).All();
-  MarkerMapping mapping{.name = "automatic", .signature = {}, .rules = {}};
-  for (const std::string& marker : set.markers) {
-    MarkerRule& rule = mapping.rules.emplace_back();
-    const auto sum = markers.find(marker);
-    if (sum == markers.end()) continue;
-    for (const auto& [point, weight] : sum->second) {
-      rule.points.push_back({figure.names[point], weight});
-      if (std::ranges::find(mapping.signature, figure.names[point]) == mapping.signature.end()) {
-        mapping.signature.push_back(figure.names[point]);
-      }
-    }
-  }
+  const FigureMarkers body(figure, points);
+  if (!body.has_size()) return InvalidArgument("no frame has both legs and both shoulders");
+  const std::map<std::string, PointSum> markers = body.All();
+  MarkerMapping mapping = MappingFrom(set, markers, figure.names);
   // Feet without toes have no direction but that of the body.
   if (points.rotations.empty()) return mapping;
-  for (const Side side : {Side::kLeft, Side::kRight}) {
-    const int ankle = figure.at(Role::kAnkle, side).index;
-    for (const auto& [name, forward, up] : kFoot) {
-      const std::string marker = Letter(side) + name;
-      const auto at = std::ranges::find(set.markers, marker) - set.markers.begin();
-      if (at == std::ssize(set.markers) || !mapping.rules[at].points.empty()) continue;
-      mapping.rules[at] = {{{figure.names[ankle], 1}},
-                           figure.names[ankle],
-                           InJoint(figure, points, ankle, forward, up)};
-    }
+  for (const auto& [marker, from, front, up] : DerivedMarkers()) {
+    if (from != std::string("LAnkle") && from != std::string("RAnkle")) continue;
+    const auto at = std::ranges::find(set.markers, marker) - set.markers.begin();
+    if (at == std::ssize(set.markers) || !mapping.rules[at].points.empty()) continue;
+    const int ankle = figure.at(Role::kAnkle, from[0] == 'L' ? Side::kLeft : Side::kRight).index;
+    mapping.rules[at] = {
+        {{figure.names[ankle], 1}}, figure.names[ankle], InJoint(figure, points, ankle, front, up)};
   }
   return mapping;
 }

@@ -1,0 +1,24 @@
+#include "core/mapping/point_sum.h"
+
+#include <algorithm>
+
+namespace motiondb::core {
+
+MarkerMapping MappingFrom(const MarkerSet& set, const std::map<std::string, PointSum>& markers,
+                          const std::vector<std::string>& names) {
+  MarkerMapping mapping{.name = "automatic", .signature = {}, .rules = {}};
+  for (const std::string& marker : set.markers) {
+    MarkerRule& rule = mapping.rules.emplace_back();
+    const auto sum = markers.find(marker);
+    if (sum == markers.end()) continue;
+    for (const auto& [point, weight] : sum->second) {
+      rule.points.push_back({names[point], weight});
+      if (std::ranges::find(mapping.signature, names[point]) == mapping.signature.end()) {
+        mapping.signature.push_back(names[point]);
+      }
+    }
+  }
+  return mapping;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,37 @@
+// Weighted sums of the points of a motion.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/motion/marker_set.h"
+
+namespace motiondb::core {
+
+// Point index to weight; weights sum to 1, or to 0 for a difference. Empty: unknown.
+using PointSum = std::map<int, double>;
+
+// Returns the weighted total; empty if one of the sums is.
+inline PointSum Total(const std::vector<std::pair<double, PointSum>>& sums) {
+  PointSum total;
+  for (const auto& [factor, sum] : sums) {
+    if (sum.empty()) return {};
+    for (const auto& [point, weight] : sum) total[point] += factor * weight;
+  }
+  std::erase_if(total, [](const auto& term) { return term.second == 0; });
+  return total;
+}
+
+// Returns a + share * (b - a).
+inline PointSum Between(const PointSum& a, const PointSum& b, double share) {
+  return Total({{1 - share, a}, {share, b}});
+}
+
+// Returns a mapping with the sums as rules of the set's markers. A marker without a sum is missing.
+// `names`: of the points.
+MarkerMapping MappingFrom(const MarkerSet& set, const std::map<std::string, PointSum>& markers,
+                          const std::vector<std::string>& names);
+
+}  // namespace motiondb::core

@@ -46,10 +46,12 @@ absl::StatusOr<AutomaticMapping> MapAutomatically(const MarkerSet& set, const Po
   }
   const Figure figure = FindFigure(points);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMapping mapping, MapFigure(set, figure, points));
+  const bool has_hierarchy = !points.parents.empty();
   return AutomaticMapping{
       std::move(mapping),
       fmt::format("{} mapped automatically (lowest confidence {})",
-                  points.parents.empty() ? "points" : "joints", LowestConfidence(figure))};
+                  has_hierarchy ? "joints" : "points", LowestConfidence(figure)),
+      DerivedMarkersOf(figure, has_hierarchy)};
 }
 
 absl::Status CheckPointNames(const std::vector<std::string>& names) {
@@ -72,9 +74,12 @@ absl::StatusOr<MarkerScheme> FitScheme(const MarkerScheme& scheme, const Motion&
   if (!found.ok()) {
     return InvalidArgument(
         "no mapping of marker set '{}' fits, and the {} {} ('{}', ...) cannot be mapped "
-        "automatically: {}; add a mapping to a marker-set file",
+        "automatically: {}; write a file with a mapping that extends {} (docs/file_formats.md), "
+        "and "
+        "create a database with --marker-set FILE",
         scheme.set.name, points.count(), points.parents.empty() ? "markers" : "joints",
-        points.names.empty() ? "" : points.names.front(), std::string(found.status().message()));
+        points.names.empty() ? "" : points.names.front(), std::string(found.status().message()),
+        scheme.set.name);
   }
   if (purpose == FitFor::kQuery) {
     for (std::size_t m = 0; m < scheme.set.markers.size(); ++m) {

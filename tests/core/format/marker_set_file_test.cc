@@ -95,6 +95,33 @@ TEST_CASE("MarkerSetFile: writing and reading preserves the scheme", "[core][for
   }
 }
 
+TEST_CASE("MarkerSetFile: a file can extend the standard set by a mapping", "[core][format]") {
+  std::string text = "motiondb-marker-set 1\nextend standard34\nmapping mine\n";
+  for (const std::string& marker : core::StandardScheme().set.markers) {
+    // The default rules of the standard set give the others.
+    const bool has_default = marker == "Pelvis" || marker.ends_with("Thigh") ||
+                             marker.ends_with("Shin") || marker.ends_with("Heel") ||
+                             marker.ends_with("Clavicle") || marker.ends_with("Arm") ||
+                             marker.ends_with("Forearm");
+    if (!has_default) text += marker + " = my_" + marker + "\n";
+  }
+  const auto extended = core::ReadMarkerSetFile({"mine.txt", text});
+  INFO(extended.status());
+  REQUIRE(extended.ok());
+  const core::MarkerScheme& base = core::StandardScheme();
+  CHECK(extended->set.name == base.set.name);
+  CHECK(extended->set.markers == base.set.markers);
+  CHECK(extended->set.landmarks.legs == base.set.landmarks.legs);
+  REQUIRE(extended->mappings.size() == base.mappings.size() + 1);
+  CHECK(extended->mappings.front().name == "mine");
+  CHECK(extended->mappings.front().rules[0].points.front().name == "my_LHip");
+  CHECK(extended->mappings.back().name == base.mappings.back().name);
+  CHECK_THAT(ErrorOf("motiondb-marker-set 1\nextend other\n"),
+             Catch::Contains("my.markers:2") && Catch::Contains("extend standard34"));
+  CHECK_THAT(ErrorOf("motiondb-marker-set 1\nname n\nextend standard34\n"),
+             Catch::Contains("instead of a name"));
+}
+
 TEST_CASE("MarkerSetFile: the standard set has 34 markers and whole legs", "[core][format]") {
   const core::MarkerScheme& scheme = core::StandardScheme();
   CHECK(scheme.set.marker_count() == 34);

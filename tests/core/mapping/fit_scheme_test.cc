@@ -284,6 +284,51 @@ TEST_CASE("FitScheme: a skeleton without toes gets toes in front of its ankles",
   CHECK(distances.back() < 0.12);
 }
 
+TEST_CASE("FitScheme: a camera's 17 points are stored whole and observed in part",
+          "[core][mapping]") {
+  MOTIONDB_REQUIRE_DATA();
+  const core::MarkerMotion markers = Markers(core::StandardScheme(), Recorded("cmu/02/02_01.amc"));
+  constexpr std::pair<const char*, const char*> kPoints[] = {
+      {"nose", "HeadTop"},      {"left_eye", "HeadTop"},         {"right_eye", "HeadTop"},
+      {"left_ear", "Head"},     {"right_ear", "Head"},           {"left_shoulder", "LShoulder"},
+      {"left_elbow", "LElbow"}, {"right_shoulder", "RShoulder"}, {"right_elbow", "RElbow"},
+      {"left_wrist", "LWrist"}, {"right_wrist", "RWrist"},       {"left_hip", "LHip"},
+      {"right_hip", "RHip"},    {"left_knee", "LKnee"},          {"right_knee", "RKnee"},
+      {"left_ankle", "LAnkle"}, {"right_ankle", "RAnkle"}};
+  core::MarkerMotion seen{{}, markers.frame_rate_hz, {}};
+  seen.positions_m.resize(markers.positions_m.rows(), 3 * std::ssize(kPoints));
+  const auto column = [&](const std::string& name) {
+    return 3 * (std::ranges::find(markers.names, name) - markers.names.begin());
+  };
+  for (const auto& [name, marker] : kPoints) {
+    seen.positions_m.middleCols<3>(3 * std::ssize(seen.names)) =
+        markers.positions_m.middleCols<3>(column(marker));
+    seen.names.emplace_back(name);
+  }
+  std::string note;
+  const auto observed = core::FitScheme(core::StandardScheme(), seen, core::FitFor::kQuery, &note);
+  REQUIRE(observed.ok());
+  CHECK(note.find("derived") == std::string::npos);
+  const auto partial = core::ApplyScheme(*observed, seen);
+  REQUIRE(partial.ok());
+  for (const char* missing : {"Waist", "Spine", "Neck", "LToe", "RHeel", "RHand"}) {
+    CAPTURE(missing);
+    CHECK(partial->positions_m.middleCols<3>(column(missing)).array().isNaN().all());
+  }
+  CHECK(partial->positions_m.middleCols<3>(column("LElbow")).allFinite());
+
+  const auto stored = core::FitScheme(core::StandardScheme(), seen, core::FitFor::kClip, &note);
+  REQUIRE(stored.ok());
+  CHECK_THAT(note, Catch::Contains("derived from other points: Waist, Spine, Neck"));
+  std::vector<std::string> notes;
+  const auto states =
+      core::Represent(*stored, seen, 60, core::GlitchPolicy::kRepair, std::nullopt, &notes);
+  INFO(states.status().ToString());
+  REQUIRE(states.ok());
+  CHECK(states->states.allFinite());
+  CHECK_THAT(notes.back(), Catch::Contains("LToe, RToe, LHeel, RHeel"));
+}
+
 // Thousands of equal pairs of limbs: all their combinations take half a minute.
 TEST_CASE("FitScheme: the search is bounded in a bush of equal limbs", "[core][mapping][hostile]") {
   std::vector<core::Joint> joints(1);

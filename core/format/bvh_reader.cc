@@ -213,6 +213,7 @@ absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointM
   }
   const FrameMatrix positions = JointPositions(sample);
   std::vector<std::string> names;
+  names.reserve(joints.size());
   for (const BvhJoint& joint : joints) names.push_back(joint.name);
 
   const DeducedConventions deduced = DeduceConventions(names, positions, sample.skeleton.get());

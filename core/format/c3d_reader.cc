@@ -230,6 +230,7 @@ absl::StatusOr<MotionFile> ReadC3d(SourceFile file, const ReadOptions& options) 
   }
   MOTIONDB_ASSIGN_OR_RETURN(FrameMatrix positions, ReadPoints(bytes, layout, markers));
   std::vector<std::string> names;
+  names.reserve(markers.size());
   for (const C3dMarker& marker : markers) names.push_back(marker.name);
   DecideConventions(parameters, names, positions, options, report);
   ToWorld(report, positions);

@@ -156,6 +156,7 @@ std::optional<double> StatureAlongBones(const Skeleton& skeleton, const FrameMat
 // Returns the median distance between head and feet.
 std::optional<double> MedianLength(const std::vector<Eigen::Vector3d>& vectors) {
   std::vector<double> lengths;
+  lengths.reserve(vectors.size());
   for (const Eigen::Vector3d& v : vectors) lengths.push_back(v.norm());
   if (lengths.empty()) return std::nullopt;
   return Median(lengths);

@@ -107,7 +107,7 @@ class TrcReader {
   }
 
   absl::Status TakeCount(std::string_view what, std::optional<double> value, int& count) const {
-    constexpr double kMaxCount = std::numeric_limits<int>::max() / 3;
+    constexpr double kMaxCount = std::numeric_limits<int>::max() / 3.0;
     if (!value || *value < 1 || *value > kMaxCount || *value != std::floor(*value)) {
       return scanner_.Error("expected {} to be a whole number from 1{}", what, Found(value));
     }

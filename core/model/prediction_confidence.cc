@@ -57,6 +57,7 @@ ErrorModel FitErrorModel(double seconds, const std::vector<ErrorSample>& samples
   ErrorModel model{.seconds = seconds};
   for (int i = 0; i < 3; ++i) {
     std::vector<double> logs;
+    logs.reserve(samples.size());
     for (const ErrorSample& sample : samples) logs.push_back(Logs(sample.evidence)[i]);
     std::sort(logs.begin(), logs.end());
     const auto cut = static_cast<std::size_t>(kClampShare * static_cast<double>(logs.size()));

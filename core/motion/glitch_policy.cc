@@ -27,6 +27,7 @@ std::vector<FrameSpan> Joined(std::vector<FrameSpan> spans) {
 
 std::vector<FrameSpan> SpansOf(const std::vector<Glitch>& glitches) {
   std::vector<FrameSpan> spans;
+  spans.reserve(glitches.size());
   for (const Glitch& glitch : glitches) spans.push_back({glitch.first_frame, glitch.last_frame});
   return Joined(std::move(spans));
 }

@@ -133,6 +133,7 @@ absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotio
   std::vector<double> heights;
   for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
     std::vector<double> z;
+    z.reserve(set.markers.size());
     for (int m = 0; m < set.marker_count(); ++m) z.push_back(At(motion, t, m)[2]);
     const double lowest = *std::min_element(z.begin(), z.end(), [](double a, double b) {
       return a < b || (std::isnan(b) && !std::isnan(a));

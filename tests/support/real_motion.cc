@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/format/marker_set_file.h"
+#include "core/mapping/fit_scheme.h"
 
 namespace motiondb::tests {
 namespace fs = std::filesystem;
@@ -16,8 +17,12 @@ core::MotionFile LoadMotion(const fs::path& path) {
 
 core::StateSequence LoadStates(const fs::path& path, double frame_rate_hz,
                                core::Cleaning cleaning) {
-  auto states =
-      core::Represent(core::StandardScheme(), LoadMotion(path).motion, frame_rate_hz, cleaning);
+  const core::MotionFile file = LoadMotion(path);
+  const auto fitted = core::FitScheme(core::StandardScheme(), file.motion,
+                                      cleaning ? core::FitFor::kClip : core::FitFor::kQuery);
+  INFO(path << ": " << fitted.status());
+  REQUIRE(fitted.ok());
+  auto states = core::Represent(*fitted, file.motion, frame_rate_hz, cleaning);
   INFO(path << ": " << states.status());
   REQUIRE(states.ok());
   return *std::move(states);

@@ -94,12 +94,12 @@ TEST_CASE("motiondb: strings of the server cannot control the terminal", "[clien
   server.Answer("CreateToken", token);
   v1::GetServerStatusResponse status;
   status.set_version(kHostile);
-  v1::Corruption& damage = *status.add_corruptions();
-  damage.set_resource(kHostile);
-  damage.set_description(kHostile);
+  v1::Corruption& corruption = *status.add_corruptions();
+  corruption.set_resource(kHostile);
+  corruption.set_description(kHostile);
   server.Answer("GetServerStatus", status);
   v1::VerifyStoreResponse verified;
-  *verified.mutable_corruption() = damage;
+  *verified.mutable_corruption() = corruption;
   server.Answer("VerifyStore", verified);
   server.Fail("GetModel", 13, kHostile);
   server.Fail("CancelOperation", 3, kHostile);

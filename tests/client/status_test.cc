@@ -189,9 +189,9 @@ TEST_CASE("StatusText: lists at most five corrupt items", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.clear_databases();
   for (int i = 0; i < 8; ++i) {
-    auto* damage = status.add_corruptions();
-    damage->set_resource("databases/walks/clips/c" + std::to_string(i));
-    damage->set_description("checksum");
+    auto* corruption = status.add_corruptions();
+    corruption->set_resource("databases/walks/clips/c" + std::to_string(i));
+    corruption->set_description("checksum");
   }
   const std::string text = StatusText(status, 0);
   CAPTURE(text);

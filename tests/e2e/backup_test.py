@@ -140,13 +140,13 @@ class Backup(WithServer):
         log = open(self.path("log"), "w+")
         other = Server(self.path("other.db"), log=log)
         try:
-            for damaged, expected in ((good[:-100], "cut off"), (good[:100], "cut off"),
+            for corrupt, expected in ((good[:-100], "cut off"), (good[:100], "cut off"),
                                       (b"not at all", "not a backup"), (other_file, "not a backup"),
                                       (b"", "motiondb: the backup is empty"),
                                       (good[:5000] + b"\0\1\2\3" + good[5004:], "checksum")):
-                with open(self.path("damaged.mdb"), "wb") as file:
-                    file.write(damaged)
-                refused = other.run("restore", self.path("damaged.mdb"))
+                with open(self.path("corrupt.mdb"), "wb") as file:
+                    file.write(corrupt)
+                refused = other.run("restore", self.path("corrupt.mdb"))
                 self.assertNotEqual(refused.returncode, 0)
                 self.assertIn(expected, refused.stderr)
                 self.assertEqual(other.ask("list"), [])

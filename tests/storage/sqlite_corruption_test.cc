@@ -32,7 +32,7 @@ const char kStatesOfA[] =
 }  // namespace
 
 TEST_CASE("SqliteMotionStore: a corrupt chunk is named and the rest can be read",
-          "[storage][damage]") {
+          "[storage][corruption]") {
   const StoreFile file;
   Fill(file);
   for (const int place : {0, 9, 21, 24, 70000}) {
@@ -52,7 +52,7 @@ TEST_CASE("SqliteMotionStore: a corrupt chunk is named and the rest can be read"
   }
 }
 
-TEST_CASE("SqliteMotionStore: a missing chunk is named", "[storage][damage]") {
+TEST_CASE("SqliteMotionStore: a missing chunk is named", "[storage][corruption]") {
   const StoreFile file;
   Fill(file);
   SECTION("in the middle") {
@@ -66,7 +66,7 @@ TEST_CASE("SqliteMotionStore: a missing chunk is named", "[storage][damage]") {
   }
 }
 
-TEST_CASE("SqliteMotionStore: a corrupt model is named", "[storage][damage]") {
+TEST_CASE("SqliteMotionStore: a corrupt model is named", "[storage][corruption]") {
   const StoreFile file;
   Fill(file);
   SECTION("in its own parts") {
@@ -95,7 +95,7 @@ TEST_CASE("SqliteMotionStore: a corrupt model is named", "[storage][damage]") {
 }
 
 TEST_CASE("SqliteMotionStore: a corrupt skeleton is named and does not prevent an ingest",
-          "[storage][damage]") {
+          "[storage][corruption]") {
   const StoreFile file;
   Fill(file);
   file.Sql(ChangeByte("skeleton_chunk", 60, "1"));
@@ -108,7 +108,8 @@ TEST_CASE("SqliteMotionStore: a corrupt skeleton is named and does not prevent a
   REQUIRE(listed[0].id == "human-2");
 }
 
-TEST_CASE("SqliteMotionStore: a page that SQLite finds corrupt is data loss", "[storage][damage]") {
+TEST_CASE("SqliteMotionStore: a page that SQLite finds corrupt is data loss",
+          "[storage][corruption]") {
   const StoreFile file;
   Fill(file);
   const auto page = std::stol(file.Sql("SELECT rootpage FROM sqlite_schema WHERE name = 'clip'"));

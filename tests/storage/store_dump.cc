@@ -61,7 +61,8 @@ std::string Findings(storage::MotionStore& store) {
   std::vector<storage::Corruption> found;
   while (Require(verifier->Step(found))) REQUIRE(verifier->progress() <= 1);
   std::string text;
-  for (const auto& damage : found) text += damage.resource + ": " + damage.description + "\n";
+  for (const auto& corruption : found)
+    text += corruption.resource + ": " + corruption.description + "\n";
   REQUIRE(verifier->totals().damage_count == static_cast<int>(found.size()));
   return text;
 }

@@ -93,9 +93,9 @@ TEST_CASE("GrowTree: a tree without thresholds is refused, one of a single node 
 TEST_CASE("Tree: planes that do not match its branches are refused", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(300, 18, 5);
   const core::Tree tree = Build(states);
-  const auto refused = [&](const std::function<void(core::SplitPlanes&)>& damage) {
+  const auto refused = [&](const std::function<void(core::SplitPlanes&)>& corrupt) {
     core::SplitPlanes planes = tree.planes();
-    damage(planes);
+    corrupt(planes);
     return absl::IsDataLoss(
         core::Tree::Create(tree.frame_order(), tree.branches(), planes).status());
   };

@@ -140,12 +140,12 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveD
                                                   "model is being built: wait for operations/{}",
                                                   database.name(), operation)));
   }
-  if (const auto clips = database.stored().clip_count; clips > 0) {
+  if (database.stored().clip_count > 0) {
     return core::WithReason(
-        "NO_MODEL", core::FailedPrecondition(
-                        "database '{}' has no model: the build for its {} clips failed or was "
-                        "cancelled; start it again (motiondb reprocess {})",
-                        database.name(), clips, database.name()));
+        "NO_MODEL",
+        core::FailedPrecondition("database '{}' has clips but no model: the build failed or was "
+                                 "cancelled; start it again (motiondb reprocess {})",
+                                 database.name(), database.name()));
   }
   return core::WithReason(
       "NO_MODEL",

@@ -217,12 +217,7 @@ absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointM
   for (const BvhJoint& joint : joints) names.push_back(joint.name);
 
   const DeducedConventions deduced = DeduceConventions(names, positions, sample.skeleton.get());
-  const bool is_given = options.metres_per_unit.has_value();
-  DecideUnit({.given = options.metres_per_unit,
-              .stated = {},
-              .deduced = deduced.metres_per_unit,
-              .fallback = is_given ? kCentimetre : FallbackUnit(deduced, kCentimetre, report)},
-             report);
+  DecideUnit(options.metres_per_unit, {}, deduced, kCentimetre, report);
   DecideUpAxis(
       {.given = options.up_axis, .stated = {}, .deduced = deduced.up_axis, .fallback = UpAxis::kY},
       report);

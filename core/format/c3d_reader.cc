@@ -193,13 +193,8 @@ void DecideConventions(const C3dParameters& parameters, const std::vector<std::s
   constexpr double kMillimetre = 0.001;
   const std::vector<std::string_view> unit = parameters.Strings("POINT", "UNITS");
   const std::optional<double> stated = unit.empty() ? std::nullopt : MetresPerUnitNamed(unit[0]);
-  const bool is_known = options.metres_per_unit || stated;
   const DeducedConventions deduced = DeduceConventions(names, positions);
-  DecideUnit({.given = options.metres_per_unit,
-              .stated = stated,
-              .deduced = deduced.metres_per_unit,
-              .fallback = is_known ? kMillimetre : FallbackUnit(deduced, kMillimetre, report)},
-             report);
+  DecideUnit(options.metres_per_unit, stated, deduced, kMillimetre, report);
   DecideUpAxis({.given = options.up_axis,
                 .stated = StatedUpAxis(parameters),
                 .deduced = deduced.up_axis,

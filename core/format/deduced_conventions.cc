@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/format/conventions.h"
 #include "core/mapping/figure.h"
 #include "core/motion/marker_set.h"
 
@@ -237,16 +238,16 @@ DeducedConventions DeduceConventions(std::span<const std::string> names,
   return deduced;
 }
 
-double FallbackUnit(const DeducedConventions& deduced, double usual, SourceReport& report) {
-  if (deduced.metres_per_unit) return usual;
-  if (!deduced.stature) {
-    report.notes.push_back(fmt::format("no figure of a person: {} m per unit assumed", usual));
-    return usual;
-  }
+void DecideUnit(std::optional<double> given, std::optional<double> stated,
+                const DeducedConventions& deduced, double usual, SourceReport& report) {
+  const double fallback = deduced.stature ? kPerson_m / *deduced.stature : usual;
+  DecideUnit({given, stated, deduced.metres_per_unit, fallback}, report);
+  if (report.unit_provenance != Provenance::kAssumed) return;
   report.notes.push_back(
-      fmt::format("a stature of {:.4g} units fits no known unit: scaled to a stature of {} m",
-                  *deduced.stature, kPerson_m));
-  return kPerson_m / *deduced.stature;
+      deduced.stature
+          ? fmt::format("a stature of {:.4g} units fits no known unit: scaled to a stature of {} m",
+                        *deduced.stature, kPerson_m)
+          : fmt::format("no figure of a person: {} m per unit assumed", usual));
 }
 
 }  // namespace motiondb::core

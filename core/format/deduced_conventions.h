@@ -31,9 +31,10 @@ DeducedConventions DeduceConventions(std::span<const std::string> names,
                                      const FrameMatrix& positions,
                                      const Skeleton* skeleton = nullptr);
 
-// Returns the metres per unit for a file that does not state its unit: `usual` for its format, or
-// the unit that gives its figure the stature of a person. Adds a note to the report if no unit was
-// deduced.
-double FallbackUnit(const DeducedConventions& deduced, double usual, SourceReport& report);
+// Decides the unit of a file (core/format/conventions.h). A file without a known unit gets the unit
+// that gives its figure the stature of a person, or without a figure the `usual` one of its format;
+// a note says so.
+void DecideUnit(std::optional<double> given, std::optional<double> stated,
+                const DeducedConventions& deduced, double usual, SourceReport& report);
 
 }  // namespace motiondb::core

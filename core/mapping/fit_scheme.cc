@@ -47,11 +47,17 @@ absl::StatusOr<AutomaticMapping> MapAutomatically(const MarkerSet& set, const Po
   const Figure figure = FindFigure(points);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMapping mapping, MapFigure(set, figure, points));
   const bool has_hierarchy = !points.parents.empty();
+  std::vector<std::string> derived = DerivedMarkersOf(figure, has_hierarchy);
+  // Represent derives the markers that have no rule at all, and reports them.
+  std::erase_if(derived, [&](const std::string& marker) {
+    const auto at = std::ranges::find(set.markers, marker) - set.markers.begin();
+    return at == std::ssize(set.markers) || mapping.rules[at].points.empty();
+  });
   return AutomaticMapping{
       std::move(mapping),
       fmt::format("{} mapped automatically (lowest confidence {})",
                   has_hierarchy ? "joints" : "points", LowestConfidence(figure)),
-      DerivedMarkersOf(figure, has_hierarchy)};
+      std::move(derived)};
 }
 
 absl::Status CheckPointNames(const std::vector<std::string>& names) {
@@ -75,8 +81,7 @@ absl::StatusOr<MarkerScheme> FitScheme(const MarkerScheme& scheme, const Motion&
     return InvalidArgument(
         "no mapping of marker set '{}' fits, and the {} {} ('{}', ...) cannot be mapped "
         "automatically: {}; write a file with a mapping that extends {} (docs/file_formats.md), "
-        "and "
-        "create a database with --marker-set FILE",
+        "and create a database with --marker-set FILE",
         scheme.set.name, points.count(), points.parents.empty() ? "markers" : "joints",
         points.names.empty() ? "" : points.names.front(), std::string(found.status().message()),
         scheme.set.name);

@@ -14,20 +14,10 @@ namespace motiondb::core {
 using PointSum = std::map<int, double>;
 
 // Returns the weighted total; empty if one of the sums is.
-inline PointSum Total(const std::vector<std::pair<double, PointSum>>& sums) {
-  PointSum total;
-  for (const auto& [factor, sum] : sums) {
-    if (sum.empty()) return {};
-    for (const auto& [point, weight] : sum) total[point] += factor * weight;
-  }
-  std::erase_if(total, [](const auto& term) { return term.second == 0; });
-  return total;
-}
+PointSum Total(const std::vector<std::pair<double, PointSum>>& sums);
 
 // Returns a + share * (b - a).
-inline PointSum Between(const PointSum& a, const PointSum& b, double share) {
-  return Total({{1 - share, a}, {share, b}});
-}
+PointSum Between(const PointSum& a, const PointSum& b, double share);
 
 // Returns a mapping with the sums as rules of the set's markers. A marker without a sum is missing.
 // `names`: of the points.

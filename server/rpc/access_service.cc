@@ -5,9 +5,9 @@
 #include "server/engine/clock.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
+#include "server/translate/access_message.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/page.h"
-#include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
 #include "text/display_text.h"
 

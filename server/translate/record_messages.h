@@ -1,5 +1,4 @@
-// Converts between records of the store and messages: databases, clips, operations, tokens, audit
-// log.
+// Converts between records of the store and messages: databases, clips, operations.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +9,16 @@
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
 #include "server/engine/snapshot.h"
-#include "storage/access_store.h"
 #include "storage/records.h"
 #include "storage/store_maintenance.h"
 
 namespace motiondb::v1 {
-class AuditEntry;
 class Clip;
-class CreateTokenRequest;
 class Corruption;
 class Database;
 class DatabaseStatistics;
 class Operation;
 class Skeleton;
-class Token;
 }  // namespace motiondb::v1
 
 namespace motiondb::server {
@@ -72,22 +67,6 @@ void SetSkeleton(const std::string& database, const storage::SkeletonRecord& rec
                  v1::Skeleton& message);
 
 void SetOperation(const storage::OperationRecord& record, v1::Operation& message);
-
-// A token to create.
-struct NewTokenSpec {
-  storage::Role role = storage::Role::kReader;
-  std::string database;  // id; empty: all
-  std::string description;
-  std::int64_t expire_time_us = 0;  // since the Unix epoch; 0: never
-};
-
-// `now_us`: current time, microseconds since the Unix epoch. Returns INVALID_ARGUMENT with the
-// field.
-absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& request,
-                                              std::int64_t now_us);
-
-void SetToken(const storage::TokenRecord& record, v1::Token& message);
-void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);
 
 // Truncates the texts, because a corrupt file may have texts of any length.
 void SetCorruption(const storage::Corruption& corruption, v1::Corruption& message);

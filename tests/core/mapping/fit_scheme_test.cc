@@ -8,6 +8,7 @@
 #include "core/format/marker_set_file.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/motion/states.h"
+#include "tests/support/camera_points.h"
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
@@ -288,19 +289,12 @@ TEST_CASE("FitScheme: a camera's 17 points are stored whole and observed in part
           "[core][mapping]") {
   MOTIONDB_REQUIRE_DATA();
   const core::MarkerMotion markers = Markers(core::StandardScheme(), Recorded("cmu/02/02_01.amc"));
-  constexpr std::pair<const char*, const char*> kPoints[] = {
-      {"nose", "HeadTop"},      {"left_eye", "HeadTop"},         {"right_eye", "HeadTop"},
-      {"left_ear", "Head"},     {"right_ear", "Head"},           {"left_shoulder", "LShoulder"},
-      {"left_elbow", "LElbow"}, {"right_shoulder", "RShoulder"}, {"right_elbow", "RElbow"},
-      {"left_wrist", "LWrist"}, {"right_wrist", "RWrist"},       {"left_hip", "LHip"},
-      {"right_hip", "RHip"},    {"left_knee", "LKnee"},          {"right_knee", "RKnee"},
-      {"left_ankle", "LAnkle"}, {"right_ankle", "RAnkle"}};
   core::MarkerMotion seen{{}, markers.frame_rate_hz, {}};
-  seen.positions_m.resize(markers.positions_m.rows(), 3 * std::ssize(kPoints));
+  seen.positions_m.resize(markers.positions_m.rows(), 3 * std::ssize(kCameraPoints));
   const auto column = [&](const std::string& name) {
     return 3 * (std::ranges::find(markers.names, name) - markers.names.begin());
   };
-  for (const auto& [name, marker] : kPoints) {
+  for (const auto& [name, marker] : kCameraPoints) {
     seen.positions_m.middleCols<3>(3 * std::ssize(seen.names)) =
         markers.positions_m.middleCols<3>(column(marker));
     seen.names.emplace_back(name);

@@ -10,6 +10,7 @@
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
 #include "tests/server/rpc/status_of.h"
+#include "tests/support/camera_points.h"
 #include "tests/support/real_data.h"
 
 namespace motiondb::tests::observe_service_test {
@@ -117,15 +118,6 @@ TEST_CASE("Observe: each message is answered in order, about all frames so far",
   CHECK_FALSE(stream.Receive(none));
   CHECK(stream.Finish().ok());
 }
-
-// The points of COCO (17), and the standard markers in their places.
-constexpr std::pair<const char*, const char*> kCameraPoints[] = {
-    {"nose", "HeadTop"},      {"left_eye", "HeadTop"},         {"right_eye", "HeadTop"},
-    {"left_ear", "Head"},     {"right_ear", "Head"},           {"left_shoulder", "LShoulder"},
-    {"left_elbow", "LElbow"}, {"right_shoulder", "RShoulder"}, {"right_elbow", "RElbow"},
-    {"left_wrist", "LWrist"}, {"right_wrist", "RWrist"},       {"left_hip", "LHip"},
-    {"right_hip", "RHip"},    {"left_knee", "LKnee"},          {"right_knee", "RKnee"},
-    {"left_ankle", "LAnkle"}, {"right_ankle", "RAnkle"}};
 
 v1::MarkerObservation SeenByCamera(const v1::MarkerObservation& motion) {
   v1::MarkerObservation seen;

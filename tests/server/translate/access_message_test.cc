@@ -1,7 +1,8 @@
+#include "server/translate/access_message.h"
+
 #include <catch2/catch.hpp>
 
 #include "motiondb/v1/access.pb.h"
-#include "server/translate/record_messages.h"
 
 namespace motiondb::tests::access_message_test {
 namespace {

@@ -56,6 +56,10 @@ MOTIONDB_UNARY(ListDatabases, databases, DatabaseService)
 MOTIONDB_UNARY(DeleteDatabase, databases, DatabaseService)
 MOTIONDB_UNARY(ReprocessDatabase, databases, DatabaseService)
 
+MOTIONDB_UNARY(GetMarkerSet, marker_sets, MarkerSetService)
+MOTIONDB_UNARY(AddMappings, marker_sets, MarkerSetService)
+MOTIONDB_UNARY(DeleteMapping, marker_sets, MarkerSetService)
+
 MOTIONDB_UNARY(GetClip, clips, ClipService)
 MOTIONDB_UNARY(ListClips, clips, ClipService)
 MOTIONDB_UNARY(DeleteClip, clips, ClipService)

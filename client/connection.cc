@@ -52,6 +52,7 @@ Client::Connection::Connection(ClientOptions options)
     : options_(std::move(options)),
       channel_(OpenChannel(options_)),
       databases(v1::DatabaseService::NewStub(channel_)),
+      marker_sets(v1::MarkerSetService::NewStub(channel_)),
       clips(v1::ClipService::NewStub(channel_)),
       models(v1::ModelService::NewStub(channel_)),
       queries(v1::QueryService::NewStub(channel_)),

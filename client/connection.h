@@ -7,6 +7,7 @@
 #include <motiondb/v1/access.grpc.pb.h>
 #include <motiondb/v1/clip.grpc.pb.h>
 #include <motiondb/v1/database.grpc.pb.h>
+#include <motiondb/v1/marker_set.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
 #include <motiondb/v1/observe.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
@@ -113,6 +114,7 @@ class Client::Connection {
 
  public:
   const std::unique_ptr<v1::DatabaseService::Stub> databases;
+  const std::unique_ptr<v1::MarkerSetService::Stub> marker_sets;
   const std::unique_ptr<v1::ClipService::Stub> clips;
   const std::unique_ptr<v1::ModelService::Stub> models;
   const std::unique_ptr<v1::QueryService::Stub> queries;

@@ -9,6 +9,7 @@ build=(
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
   libssl-dev       # tokens: random bytes and hashes; checksums of backups; the listener's TLS
   libnghttp2-dev   # HTTP/2 listener: gRPC 1.51 of Debian does not bound the memory of a connection
+  libseccomp-dev   # motiondb-import: system calls of a process that reads a file of unknown origin
   libtinyxml2-dev  # URDF files are XML
   libtomlplusplus-dev # the configuration file is TOML
   nlohmann-json3-dev # log lines as JSON, and the results of motiondb_eval

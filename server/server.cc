@@ -80,7 +80,8 @@ std::int64_t TransportMemory(const CallLimitOptions& calls) {
 constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
     "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
-    "motiondb.v1.AccessService",    "motiondb.v1.StoreService", "motiondb.v1.ServerService"};
+    "motiondb.v1.AccessService",    "motiondb.v1.StoreService", "motiondb.v1.ServerService",
+    "motiondb.v1.MarkerSetService"};
 
 }  // namespace
 
@@ -131,6 +132,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
                                *monitor_}) {
   idle_watch_ = WatchUnreadResponses(*host_);
   services_.push_back(MakeDatabaseService(*host_));
+  services_.push_back(MakeMarkerSetService(*host_));
   services_.push_back(MakeClipService(*host_));
   services_.push_back(MakeModelService(*host_));
   services_.push_back(MakeOperationService(*host_));

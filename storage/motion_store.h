@@ -44,6 +44,9 @@ struct WriteFailures {
   std::int64_t total() const { return no_space + io_error + corruption + other; }
 };
 
+// Returns ALREADY_EXISTS for a clip that is stored as `same`, by content or id.
+absl::Status SameClipError(const ClipRecord& same, const NewClip& clip);
+
 class MotionStore {
  public:
   virtual ~MotionStore() = default;
@@ -53,6 +56,10 @@ class MotionStore {
                                       const WriteOptions& terms = {}) = 0;
   virtual absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) = 0;
   virtual absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) = 0;
+  // Replaces the marker_set_text of a database. ABORTED if it is not `before`.
+  virtual absl::Status ReplaceMarkerSet(const std::string& database, const std::string& before,
+                                        const std::string& text,
+                                        const WriteOptions& terms = {}) = 0;
   // Deletes a database with its content. It is invisible to other calls immediately, and its name
   // can be reused. PurgeDeletedDatabases frees its disk space.
   virtual absl::Status DeleteDatabase(const std::string& database,
@@ -69,6 +76,12 @@ class MotionStore {
   // differs from the number of states. FAILED_PRECONDITION if the clip brings a marker set and the
   // database has a different one.
   virtual absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) = 0;
+  // Returns the stored clip for which AddClip returns ALREADY_EXISTS: with the same content, or
+  // with the fixed id. NOT_FOUND if there is none.
+  virtual absl::StatusOr<ClipRecord> FindSameClip(const NewClip& clip) = 0;
+  // Deletes the clip `before` and adds `clip`, in one transaction. ABORTED if `before` was deleted
+  // or replaced since it was listed; otherwise as AddClip.
+  virtual absl::StatusOr<ClipRecord> ReplaceClip(const ClipRecord& before, const NewClip& clip) = 0;
   virtual absl::StatusOr<ClipRecord> GetClip(const std::string& database,
                                              const std::string& clip) = 0;
   virtual absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,

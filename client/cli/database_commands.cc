@@ -6,7 +6,6 @@
 #include <motiondb/v1/operation.pb.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <iostream>
 
 #include "client/cli/command.h"
@@ -87,7 +86,6 @@ absl::Status SetMarkerSet(const std::string& given, v1::Database& database) {
                         fmt::format("--marker-set: expected standard34, source or a file; {}",
                                     std::string(text.status().message())));
   }
-  database.set_marker_set(std::filesystem::path(given).stem().string());
   database.set_marker_set_file(*std::move(text));
   return absl::OkStatus();
 }

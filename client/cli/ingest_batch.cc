@@ -4,7 +4,11 @@
 #include <motiondb/v1/clip.pb.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "client/call_failure.h"
@@ -19,126 +23,48 @@ namespace motiondb::client {
 
 namespace {
 
-// Removes and returns the text before the separator, or all of it.
-std::string_view TakeUntil(std::string_view& text, char separator) {
-  const size_t end = text.find(separator);
-  const std::string_view taken = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  return taken;
-}
-
-std::string_view TakeLine(std::string_view& text) {
-  std::string_view line = TakeUntil(text, '\n');
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  return line;
-}
-
-std::vector<std::string> Cells(std::string_view line) {
-  std::vector<std::string> cells;
-  const auto count = std::count(line.begin(), line.end(), '\t') + 1;
-  cells.reserve(static_cast<std::size_t>(count));
-  for (auto i = 0; i < count; ++i) cells.emplace_back(TakeUntil(line, '\t'));
-  return cells;
-}
-
-// Indices of the known columns.
-struct Columns {
-  size_t count = 0;
-  std::optional<size_t> path, label, subject, skeleton;
-};
-
-Columns ReadHeader(const std::vector<std::string>& titles) {
-  Columns columns;
-  columns.count = titles.size();
-  for (size_t i = 0; i < titles.size(); ++i) {
-    if (titles[i] == "path") columns.path = i;
-    if (titles[i] == "label") columns.label = i;
-    if (titles[i] == "subject") columns.subject = i;
-    if (titles[i] == "skeleton") columns.skeleton = i;
-  }
-  return columns;
-}
+constexpr double kSecondsUntilEstimate = 3;
 
 }  // namespace
 
-absl::StatusOr<std::vector<ClipEntry>> ParseClipList(const std::filesystem::path& list_file,
-                                                     std::string_view text) {
-  // Spreadsheet programs write a byte-order mark.
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-  const std::filesystem::path folder = list_file.parent_path();
-  std::optional<Columns> columns;
-  std::vector<ClipEntry> entries;
-  for (int line_number = 1; !text.empty(); ++line_number) {
-    const std::string_view line = TakeLine(text);
-    if (line.find_first_not_of(" \t") == std::string_view::npos || line.front() == '#') continue;
-    const auto error = [&](const std::string& what) {
-      return absl::InvalidArgumentError(
-          fmt::format("{}:{}: {}", list_file.string(), line_number, what));
-    };
-    const std::vector<std::string> cells = Cells(line);
-    if (!columns) {
-      columns = ReadHeader(cells);
-      if (!columns->path || !columns->label) {
-        return error("expected a header line that names the columns, with \"path\" and \"label\"");
-      }
-      continue;
-    }
-    if (cells.size() != columns->count) {
-      return error(fmt::format("expected {} cells, separated by tabs, found {}", columns->count,
-                               cells.size()));
-    }
-    const auto cell = [&](const std::optional<size_t>& column) {
-      return column ? cells[*column] : std::string();
-    };
-    if (cell(columns->path).empty()) return error("expected a path, found nothing");
-    ClipEntry entry{folder / cell(columns->path), cell(columns->label), cell(columns->subject), {}};
-    if (!cell(columns->skeleton).empty()) entry.skeleton = folder / cell(columns->skeleton);
-    entries.push_back(std::move(entry));
-  }
-  if (!columns) {
-    return absl::InvalidArgumentError(
-        fmt::format("{}:1: expected a header line with \"path\" and \"label\", found nothing",
-                    list_file.string()));
-  }
-  return entries;
+std::string FileProgressText(std::size_t done, std::size_t count, const std::string& name,
+                             double seconds) {
+  std::string text = fmt::format("{} of {}  {}", done + 1, count, name);
+  if (done == 0 || seconds < kSecondsUntilEstimate) return text;
+  const double left = seconds / static_cast<double>(done) * static_cast<double>(count - done);
+  return text + fmt::format("  about {} left", DurationText(std::llround(std::ceil(left))));
 }
 
-namespace {
-
-// Returns "PATH: message". Messages of file readers already contain the file name, without folder.
-std::string Failure(const std::filesystem::path& path, const absl::Status& status) {
-  const std::string message(status.message());
-  for (const std::string& name : {path.string(), path.filename().string()}) {
-    if (message.rfind(name + ":", 0) == 0) return path.string() + message.substr(name.size());
-  }
-  return fmt::format("{}: {}", path.string(), message);
-}
-
-}  // namespace
-
-IngestBatch::IngestBatch(const Client& client, std::string database, SourceOptions source,
-                         bool json)
-    : client_(client), database_(std::move(database)), source_(std::move(source)), json_(json) {}
+IngestBatch::IngestBatch(const Client& client, std::string database, IngestSettings settings)
+    : client_(client), database_(std::move(database)), settings_(std::move(settings)) {}
 
 absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
-  ProgressBar bar;
-  for (size_t i = 0; i < clips.size(); ++i) {
+  std::optional<ProgressBar> bar;
+  if (settings_.output != IngestOutput::kNothing) bar.emplace();
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < clips.size(); ++i) {
     const ClipEntry& clip = clips[i];
-    bar.Show(static_cast<double>(i) / static_cast<double>(clips.size()),
-             fmt::format("{} of {}  {}", i + 1, clips.size(), clip.path.filename().string()));
+    if (bar) {
+      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+      bar->Show(static_cast<double>(i) / static_cast<double>(clips.size()),
+                FileProgressText(i, clips.size(), clip.path.filename().string(), passed.count()));
+    }
     const auto response = SendOne(clip);
-    bar.Clear();
     if (response.ok()) {
-      Stored(*response);
+      // Without lines between the files, the bar stays, so that it does not flicker.
+      if (bar && settings_.output != IngestOutput::kSummary) bar->Clear();
+      Accept(*response);
       continue;
     }
-    failures_.push_back(Failure(clip.path, response.status()));
-    if (absl::IsUnavailable(response.status())) {
-      return absl::UnavailableError(
-          fmt::format("stopped after {} of {}; {}; `motiondb list {}` shows whether the last file "
-                      "is stored",
-                      i, CountText(clips.size(), "file"), StoredText(), ShortName(database_)));
-    }
+    failures_.push_back(FailureOf(clip.path, response.status().message()));
+    if (!absl::IsUnavailable(response.status())) continue;
+    const std::string stopped =
+        fmt::format("stopped after {} of {}", i, CountText(clips.size(), "file"));
+    return absl::UnavailableError(
+        settings_.dry_run
+            ? stopped
+            : fmt::format("{}; {}; `motiondb list {}` shows whether the last file is stored",
+                          stopped, StoredText(), ShortName(database_)));
   }
   return absl::OkStatus();
 }
@@ -156,42 +82,68 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
   header.set_parent(database_);
   header.set_label(clip.label);
   header.set_subject(clip.subject);
-  *header.mutable_conventions() = Conventions(source_);
+  header.set_replace(settings_.replace);
+  header.set_validate_only(settings_.dry_run);
+  *header.mutable_conventions() = Conventions(settings_.source);
   return client_.IngestFile(header, clip.path, *skeleton);
 }
 
-void IngestBatch::Stored(const v1::IngestClipResponse& response) {
-  ++stored_clips_;
-  stored_frames_ += response.clip().frame_count();
+void IngestBatch::Accept(const v1::IngestClipResponse& response) {
+  ++accepted_clips_;
+  accepted_frames_ += response.clip().frame_count();
   // The last requested rebuild includes all clips, because it begins after they were stored.
   operation_ = response.operation().name();
-  if (json_) {
-    PrintJson(response);
-  } else {
-    PrintText(IngestedClipText(response.clip()));
-  }
+  if (settings_.output == IngestOutput::kJson) PrintJson(response);
+  if (settings_.output == IngestOutput::kEachClip) PrintText(IngestedClipText(response.clip()));
   // Flushes, so that a script knows the stored clips even if this process is killed.
   std::fflush(stdout);
 }
 
-std::string IngestBatch::StoredText() const {
-  return fmt::format("{} {} stored", CountText(stored_clips_, "clip"),
-                     stored_clips_ == 1 ? "is" : "are");
+bool IngestBatch::PrintsSummary() const {
+  return settings_.output == IngestOutput::kSummary || settings_.output == IngestOutput::kEachClip;
 }
 
-absl::Status IngestBatch::AwaitModel() {
+std::string IngestBatch::StoredText() const {
+  return fmt::format("{} {} stored", CountText(accepted_clips_, "clip"),
+                     accepted_clips_ == 1 ? "is" : "are");
+}
+
+std::string IngestBatch::AmountText() const {
+  return fmt::format("{}, {}", CountText(accepted_clips_, "clip"),
+                     CountText(accepted_frames_, "frame"));
+}
+
+absl::Status IngestBatch::Finish() {
+  if (settings_.dry_run) {
+    if (accepted_clips_ > 0 && PrintsSummary()) PrintLine("would store {}", AmountText());
+    return absl::OkStatus();
+  }
   if (operation_.empty()) return absl::OkStatus();
+  if (settings_.waits_for_model) return AwaitModel();
+  if (PrintsSummary()) {
+    PrintLine("stored {}; the model is built by {} (motiondb operations wait {})", AmountText(),
+              operation_, ShortName(operation_));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status IngestBatch::AwaitModel() const {
+  if (settings_.output == IngestOutput::kNothing) {
+    const auto done = client_.WaitOperation(operation_);
+    if (done.ok() && OperationStatus(*done).ok()) return absl::OkStatus();
+    // Below, WaitForRebuild returns the same error with what is stored; nothing is left to wait
+    // for.
+  }
   const auto done = WaitForRebuild(client_, operation_, StoredText());
   if (!done.ok()) return done.status();
-  if (json_) return absl::OkStatus();
+  if (!PrintsSummary()) return absl::OkStatus();
   const auto summary = ModelSummary(client_, *done);
   if (!summary.ok()) {
     return WithMessage(summary.status(),
                        fmt::format("{}; {} and in the model",
                                    std::string(summary.status().message()), StoredText()));
   }
-  PrintLine("ingested {}, {}; {}", CountText(stored_clips_, "clip"),
-            CountText(stored_frames_, "frame"), *summary);
+  PrintLine("ingested {}; {}", AmountText(), *summary);
   return absl::OkStatus();
 }
 

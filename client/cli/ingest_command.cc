@@ -1,11 +1,17 @@
-// motiondb ingest DB FILE...: stores motion files and waits for the new model.
+// motiondb ingest DB [FILE...]: stores motion files and waits for the new model.
 #include <fmt/format.h>
 #include <motiondb/v1/database.pb.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <iterator>
+#include <optional>
 
+#include "client/cli/clip_files.h"
 #include "client/cli/command.h"
 #include "client/cli/ingest_batch.h"
+#include "client/cli/label_pattern.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/print.h"
 #include "client/cli/resource_name.h"
@@ -18,34 +24,97 @@ struct IngestOptions {
   std::vector<std::string> files;
   std::string list;
   std::string label;
+  std::string label_from;
   std::string subject;
   SourceOptions source;
+  bool replace = false;
+  bool dry_run = false;
+  bool no_wait = false;
+  bool quiet = false;
+  bool verbose = false;
 };
 
-void Declare(CLI::App& command, IngestOptions& options) {
+CLI::Validator PatternWithLabel() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return std::string(LabelPattern::Parse(text).status().message());
+      },
+      "");
+}
+
+void DeclareClips(CLI::App& command, IngestOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
-  command.add_option("FILE", options.files, "Motion files");
+  command.add_option("FILE", options.files,
+                     "Motion files, folders (all motion files below them), glob patterns, or - for "
+                     "paths on standard input, one per line");
   command
       .add_option(
           "--list", options.list,
           "Tab-separated list of clips with a header line: columns path and label, optionally "
           "subject and skeleton; paths are relative to the list")
       ->type_name("FILE.tsv");
-  command.add_option("--label", options.label, "Label of clips without a label in the list")
-      ->type_name("L");
+  CLI::Option* label =
+      command.add_option("--label", options.label, "Label of clips without a label in the list")
+          ->type_name("L");
   command
-      .add_option("--subject", options.subject, "Subject of clips without a subject in the list")
+      .add_option("--label-from", options.label_from,
+                  "Pattern of the end of the path, with {label} and optionally {subject}")
+      ->type_name("PATTERN")
+      ->excludes(label)
+      ->check(PatternWithLabel());
+  command
+      .add_option("--subject", options.subject,
+                  "Subject of clips without a subject in the list or from --label-from")
       ->type_name("S");
+}
+
+void Declare(CLI::App& command, IngestOptions& options) {
+  DeclareClips(command, options);
   AddSourceOptions(command, options.source);
+  command.add_flag("--replace", options.replace,
+                   "Replace the stored clip of the same motion, for example to correct its unit; "
+                   "id, label and subject are kept unless given");
+  command.add_flag("--dry-run", options.dry_run,
+                   "Check the files on the server and print what would be stored; store nothing");
+  command.add_flag("--no-wait", options.no_wait, "Do not wait for the model");
+  // Not excludes(): the help would list it at each of the options, also at the global --json.
+  command.add_flag("--quiet", options.quiet,
+                   "Print only errors, and no progress; not with --verbose or --json");
+  command.add_flag("--verbose", options.verbose,
+                   "Print each clip and the report of its file, also if there are several");
   command.footer(
+      "--label-from '{label}/*' reads the label from the folder; '{subject}_{label}_*' and\n"
+      "'{subject}/{label}/*.bvh' read label and subject. * is any text within a name. A pattern\n"
+      "without a dot in its last name ignores the extension of the file.\n"
       "Waits for the new model. A file that cannot be ingested does not stop the others; it is\n"
       "reported at the end, and the exit status is then 1.");
 }
 
+// Sets label and subject from the path, if the list contains no label.
+absl::Status ReadLabels(const LabelPattern& pattern, const std::string& text, ClipEntry& clip) {
+  if (!clip.label.empty()) return absl::OkStatus();
+  const auto labels = pattern.Match(clip.path);
+  if (!labels) {
+    return absl::InvalidArgumentError(
+        fmt::format("{}: does not match --label-from '{}'", clip.path.string(), text));
+  }
+  clip.label = labels->label;
+  if (clip.subject.empty()) clip.subject = labels->subject;
+  return absl::OkStatus();
+}
+
 // Returns the clips of files and list; the options replace empty fields.
 absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
+  std::optional<LabelPattern> pattern;
+  if (!options.label_from.empty()) {
+    auto parsed = LabelPattern::Parse(options.label_from);
+    if (!parsed.ok()) return parsed.status();
+    pattern = *std::move(parsed);
+  }
+  const auto files = FilesOfArguments(options.files, std::cin);
+  if (!files.ok()) return files.status();
   std::vector<ClipEntry> clips;
-  for (const std::string& file : options.files) clips.push_back({file, "", "", {}});
+  for (const auto& file : *files) clips.push_back({file, "", "", {}});
   if (!options.list.empty()) {
     const auto text = ReadFileBytes(options.list);
     if (!text.ok()) return text.status();
@@ -56,6 +125,10 @@ absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
   if (clips.empty())
     return absl::InvalidArgumentError("nothing to ingest; expected files or --list");
   for (ClipEntry& clip : clips) {
+    if (pattern) {
+      const absl::Status read = ReadLabels(*pattern, options.label_from, clip);
+      if (!read.ok()) return read;
+    }
     if (clip.label.empty()) clip.label = options.label;
     if (clip.subject.empty()) clip.subject = options.subject;
     if (clip.skeleton.empty()) clip.skeleton = options.source.skeleton;
@@ -70,22 +143,43 @@ absl::Status CheckDatabase(const Client& client, const std::string& name) {
   return client.GetDatabase(request).status();
 }
 
+absl::Status CheckOutputOptions(const IngestOptions& options, const GlobalOptions& global) {
+  if (!options.quiet || (!options.verbose && !global.json)) return absl::OkStatus();
+  return WithExitCode(absl::InvalidArgumentError(fmt::format(
+                          "--quiet excludes {}", options.verbose ? "--verbose" : "--json")),
+                      kWrongUsage);
+}
+
+IngestOutput OutputOf(const IngestOptions& options, const GlobalOptions& global,
+                      std::size_t clip_count) {
+  if (options.quiet) return IngestOutput::kNothing;
+  if (global.json) return IngestOutput::kJson;
+  return options.verbose || clip_count == 1 ? IngestOutput::kEachClip : IngestOutput::kSummary;
+}
+
 absl::Status Run(const IngestOptions& options, const GlobalOptions& global) {
+  if (absl::Status status = CheckOutputOptions(options, global); !status.ok()) return status;
   const auto clips = Clips(options);
   if (!clips.ok()) return clips.status();
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   const std::string database = DatabaseName(options.database);
   if (const absl::Status status = CheckDatabase(*client, database); !status.ok()) return status;
-  IngestBatch batch(*client, database, options.source, global.json);
+  IngestBatch batch(*client, database,
+                    {.source = options.source,
+                     .replace = options.replace,
+                     .dry_run = options.dry_run,
+                     .waits_for_model = !options.no_wait,
+                     .output = OutputOf(options, global, clips->size())});
   absl::Status status = batch.Send(*clips);
-  if (status.ok()) status = batch.AwaitModel();
+  if (status.ok()) status = batch.Finish();
   std::fflush(stdout);
-  for (const std::string& failure : batch.failures()) PrintError(failure);
+  PrintFailures(batch.failures());
   if (!status.ok() || batch.failures().empty()) return status;
-  return absl::InvalidArgumentError(fmt::format("{} of {} {} not ingested", batch.failures().size(),
-                                                CountText(clips->size(), "file"),
-                                                batch.failures().size() == 1 ? "was" : "were"));
+  const std::size_t failed = batch.failures().size();
+  const char* const verb = options.dry_run ? "would not be" : failed == 1 ? "was not" : "were not";
+  return absl::InvalidArgumentError(
+      fmt::format("{} of {} {} ingested", failed, CountText(clips->size(), "file"), verb));
 }
 
 }  // namespace

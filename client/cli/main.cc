@@ -88,6 +88,7 @@ int Run(int argc, char** argv) {
   const CommandLine line{app, global, chosen};
   AddCreateCommand(line);
   AddIngestCommand(line);
+  AddInspectCommand(line);
   AddListCommand(line);
   AddDescribeCommand(line);
   AddRecognizeCommand(line);
@@ -99,6 +100,8 @@ int Run(int argc, char** argv) {
   AddExportCommand(line);
   AddDeleteCommand(line);
   AddReprocessCommand(line);
+  AddMappingCommand(line);
+  AddMarkerSetCommand(line);
   AddOperationsCommand(line);
   AddTokenCommand(line);
   AddAuditCommand(line);

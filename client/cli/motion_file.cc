@@ -56,6 +56,8 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options) {
                   "The subject's leg length; else measured or estimated")
       ->type_name("M")
       ->check(PositiveNumber());
+  command.add_flag("--force", options.force,
+                   "Accept a body that no person has: its size, or lying throughout");
 }
 
 v1::SourceConventions Conventions(const SourceOptions& options) {
@@ -64,6 +66,7 @@ v1::SourceConventions Conventions(const SourceOptions& options) {
   conventions.set_up_axis(UpAxisOf(options.up_axis));
   if (options.frame_rate_hz > 0) conventions.set_frame_rate_hz(options.frame_rate_hz);
   if (options.leg_length_m > 0) conventions.set_leg_length_m(options.leg_length_m);
+  conventions.set_force(options.force);
   return conventions;
 }
 

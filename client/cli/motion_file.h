@@ -22,6 +22,7 @@ struct SourceOptions {
   std::string up_axis;
   double frame_rate_hz = 0;
   double leg_length_m = 0;
+  bool force = false;  // accept a body that no person has
 };
 
 // Binds the options to a command.

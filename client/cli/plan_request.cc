@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 
 #include "client/cli/command.h"
 #include "client/cli/motion_file.h"
@@ -69,6 +70,8 @@ void AddGoalOptions(CLI::App& command, PlanRequestOptions& options) {
       ->type_name("X,Y,HEADING")
       ->required()
       ->check(NumberList("X,Y,HEADING, three numbers", IsPose));
+  command.add_flag("--force", options.force,
+                   "Accept a heading beyond a full turn, which is usually in degrees");
   command
       .add_option("--tolerance", options.tolerance,
                   "Tolerances of goal position and heading; else 0.1,0.1")
@@ -210,7 +213,8 @@ absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& 
   const Numbers goal = *ParseNumbers(options.goal);
   request.mutable_goal()->set_x_m(goal[0]);
   request.mutable_goal()->set_y_m(goal[1]);
-  request.mutable_goal()->set_heading_rad(goal[2]);
+  request.mutable_goal()->set_heading_rad(
+      options.force ? std::remainder(goal[2], 2 * std::numbers::pi) : goal[2]);
   if (!options.tolerance.empty()) {
     const Numbers tolerance = *ParseNumbers(options.tolerance);
     request.set_position_tolerance_m(tolerance[0]);

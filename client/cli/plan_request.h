@@ -16,6 +16,7 @@ namespace motiondb::client {
 struct PlanRequestOptions {
   std::string database;
   std::string goal;         // X,Y,HEADING
+  bool force = false;       // accept any heading
   std::string start;        // CLIP@SECONDS
   std::string observation;  // a motion file
   std::string observation_skeleton;

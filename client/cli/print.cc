@@ -85,7 +85,7 @@ constexpr std::string_view kPackedFields[] = {"angles", "joint_angles",     "mar
                                               "mean",   "marker_positions", "positions",
                                               "scales", "states",           "variance"};
 
-std::string Numbers(const std::string& bytes) {
+std::string NumbersText(const std::string& bytes) {
   std::string text;
   for (const float value : UnpackFloats(bytes)) {
     if (!text.empty()) text += ',';
@@ -118,7 +118,7 @@ std::string Readable(const std::string& json) {
       std::string bytes;
       if (!absl::Base64Unescape(json.substr(begin + 1, end - begin - 1), &bytes)) continue;
       text.append(json, copied, begin - copied);
-      text += Numbers(bytes);
+      text += NumbersText(bytes);
       copied = end + 1;
     }
   }

@@ -1,11 +1,12 @@
 #include "core/format/marker_set_file.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "core/format/marker_set_tokens.h"
 #include "core/motion/error.h"
 #include "core/motion/marker_set.h"
 
@@ -15,61 +16,20 @@ namespace {
 constexpr std::string_view kMagic = "motiondb-marker-set";
 constexpr std::string_view kVersion = "1";
 
-struct Token {
-  std::string text;
-  bool quoted = false;  // a quoted token is always a name
-};
-
-// Splits a line at blanks. "..." quotes a name with blanks; "" inside it is a quote; # starts a
-// comment.
-absl::StatusOr<std::vector<Token>> Tokens(std::string_view line) {
-  std::vector<Token> tokens;
-  for (std::size_t i = 0; i < line.size();) {
-    if (line[i] == ' ' || line[i] == '\t') {
-      ++i;
-    } else if (line[i] == '#') {
-      break;
-    } else if (line[i] == '"') {
-      Token name{.quoted = true};
-      for (bool open = true; open;) {
-        const std::size_t end = line.find('"', ++i);
-        if (end == std::string_view::npos) return InvalidArgument("expected a closing quote");
-        name.text += line.substr(i, end - i);
-        i = end + 1;
-        open = line.substr(i).starts_with('"');  // "" is a quote in the name
-        if (open) name.text += '"';
-      }
-      tokens.push_back(std::move(name));
-    } else {
-      const std::size_t end = std::min(line.find_first_of(" \t#", i), line.size());
-      tokens.push_back({std::string(line.substr(i, end - i)), false});
-      i = end;
-    }
-  }
-  return tokens;
-}
-
-// Removes the first line, with its end, from `text` and returns it without its end.
-std::string_view NextLine(std::string_view& text) {
-  const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-  const std::string_view line = text.substr(0, end);
-  const bool crlf = text.substr(end).starts_with("\r\n");
-  text.remove_prefix(std::min(text.size(), end + (crlf ? 2 : 1)));
-  return line;
-}
-
-std::optional<double> Number(const Token& token) {
-  double value = 0;
-  const char* end = token.text.data() + token.text.size();
-  const auto parsed = std::from_chars(token.text.data(), end, value);
-  if (token.quoted || parsed.ec != std::errc() || parsed.ptr != end || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
-}
-
 class Reader {
  public:
+  Reader() = default;
+  // For a file that contains only mappings of this set.
+  explicit Reader(const MarkerScheme& base) : extends_only_(true) {
+    scheme_.set = base.set;
+    scheme_.default_rules = base.default_rules;
+    // Stores of version 0.1 have the standard set without its default rules.
+    const bool is_standard = base.set.markers == StandardScheme().set.markers;
+    if (base.default_rules.empty() && is_standard) {
+      scheme_.default_rules = StandardScheme().default_rules;
+    }
+  }
+
   absl::Status ReadLine(const std::vector<Token>& tokens) {
     if (!started_) {
       if (tokens.size() != 2 || tokens[0].text != kMagic || tokens[1].text != kVersion) {
@@ -80,8 +40,14 @@ class Reader {
     }
     const std::string& word = tokens[0].text;
     if (tokens.size() >= 2 && tokens[1].text == "=" && !tokens[1].quoted) return ReadRule(tokens);
-    if (word == "name") return ReadName(tokens);
     if (word == "extend") return ReadExtend(tokens);
+    if (extends_only_ && word != "mapping" && word != "signature") {
+      return InvalidArgument(
+          "expected only mappings for marker set '{}' (mapping, signature or MARKER = ...), got "
+          "'{}'",
+          scheme_.set.name, word);
+    }
+    if (word == "name") return ReadName(tokens);
     if (word == "marker") return ReadMarker(tokens);
     if (word == "hips") return ReadHips(tokens);
     if (word == "leg") return ReadLeg(tokens);
@@ -92,13 +58,23 @@ class Reader {
         word);
   }
 
+  absl::StatusOr<std::vector<MarkerMapping>> FinishMappings() {
+    if (!started_) return InvalidArgument("expected '{} {}' first", kMagic, kVersion);
+    MOTIONDB_RETURN_IF_ERROR(FinishMapping());
+    if (scheme_.mappings.empty()) return InvalidArgument("expected at least one 'mapping NAME'");
+    return std::move(scheme_.mappings);
+  }
+
   absl::StatusOr<MarkerScheme> Finish() {
     if (!started_) return InvalidArgument("expected '{} {}' first", kMagic, kVersion);
     if (scheme_.set.name.empty()) return InvalidArgument("expected a line 'name NAME'");
     if (scheme_.set.markers.empty()) return InvalidArgument("expected at least one 'marker NAME'");
     MOTIONDB_RETURN_IF_ERROR(FinishMapping());
-    // The first of equal mappings wins, so that a file can replace a mapping of its base.
-    scheme_.mappings.insert(scheme_.mappings.end(), base_mappings_.begin(), base_mappings_.end());
+    // A mapping of the file replaces one of the base with the same name.
+    for (MarkerMapping& mapping : base_mappings_) {
+      if (!HasMapping(mapping.name)) scheme_.mappings.push_back(std::move(mapping));
+    }
+    scheme_.default_rules.resize(scheme_.set.markers.size());
     if (scheme_.set.landmarks.left_hip < 0) {
       scheme_.set.landmarks = RecognizeLandmarks(scheme_.set.markers);
     }
@@ -115,6 +91,11 @@ class Reader {
     return InvalidArgument("expected '{}'", form);
   }
 
+  bool HasMapping(const std::string& name) const {
+    return std::ranges::find(scheme_.mappings, name, &MarkerMapping::name) !=
+           scheme_.mappings.end();
+  }
+
   absl::StatusOr<int> Marker(const std::string& name) const {
     for (std::size_t m = 0; m < scheme_.set.markers.size(); ++m) {
       if (scheme_.set.markers[m] == name) return static_cast<int>(m);
@@ -129,6 +110,11 @@ class Reader {
   }
 
   absl::Status ReadExtend(const std::vector<Token>& tokens) {
+    if (extends_only_) {
+      if (tokens.size() == 2 && tokens[1].text == scheme_.set.name) return absl::OkStatus();
+      return InvalidArgument("expected 'extend {}', the marker set of the database",
+                             scheme_.set.name);
+    }
     const MarkerScheme& base = StandardScheme();
     if (tokens.size() != 2 || tokens[1].text != base.set.name) {
       return InvalidArgument("expected 'extend {}'", base.set.name);
@@ -136,11 +122,8 @@ class Reader {
     if (!scheme_.set.name.empty() || !scheme_.set.markers.empty()) {
       return InvalidArgument("expected 'extend {}' instead of a name and markers", base.set.name);
     }
-    std::string_view rest = Standard34Set();
-    for (NextLine(rest); !rest.empty();) {  // without the first line
-      MOTIONDB_ASSIGN_OR_RETURN(const auto line, Tokens(NextLine(rest)));
-      if (!line.empty()) MOTIONDB_RETURN_IF_ERROR(ReadLine(line));
-    }
+    scheme_.set = base.set;
+    scheme_.default_rules = base.default_rules;
     base_mappings_ = base.mappings;
     return absl::OkStatus();
   }
@@ -183,6 +166,9 @@ class Reader {
   absl::Status ReadMapping(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 2, "mapping NAME"));
     MOTIONDB_RETURN_IF_ERROR(FinishMapping());
+    if (extends_only_ && HasMapping(tokens[1].text)) {
+      return InvalidArgument("expected unique mappings, got '{}' twice", tokens[1].text);
+    }
     if (scheme_.mappings.size() == kMaxMappings) {
       return InvalidArgument("expected at most {} mappings", kMaxMappings);
     }
@@ -206,8 +192,12 @@ class Reader {
   // MARKER = [WEIGHT] POINT [+ [WEIGHT] POINT]... [offset JOINT X Y Z]
   absl::Status ReadRule(const std::vector<Token>& tokens) {
     MOTIONDB_ASSIGN_OR_RETURN(const int marker, Marker(tokens[0].text));
-    if (!mapping_) defaults_.resize(scheme_.set.markers.size());
-    MarkerRule& rule = mapping_ ? mapping_->rules[marker] : defaults_[marker];
+    if (extends_only_ && !mapping_) {
+      return InvalidArgument("expected 'mapping NAME' before its rules");
+    }
+    std::vector<MarkerRule>& defaults = scheme_.default_rules;
+    if (!mapping_) defaults.resize(scheme_.set.markers.size());
+    MarkerRule& rule = mapping_ ? mapping_->rules[marker] : defaults[marker];
     if (!rule.points.empty()) {
       return InvalidArgument("expected one rule for marker '{}', got a second", tokens[0].text);
     }
@@ -252,7 +242,7 @@ class Reader {
   absl::StatusOr<MarkerRule> ExpandDefault(const std::vector<MarkerRule>& given,
                                            std::size_t marker) const {
     MarkerRule expanded;
-    for (const WeightedPoint& part : defaults_[marker].points) {
+    for (const WeightedPoint& part : scheme_.default_rules[marker].points) {
       const auto source = Marker(part.name);
       if (!source.ok() || given[*source].points.empty() || !given[*source].offset_joint.empty()) {
         return InvalidArgument(
@@ -272,7 +262,7 @@ class Reader {
 
   absl::Status FinishMapping() {
     if (!mapping_) return absl::OkStatus();
-    defaults_.resize(scheme_.set.markers.size());
+    scheme_.default_rules.resize(scheme_.set.markers.size());
     const std::vector<MarkerRule> given = mapping_->rules;
     std::set<std::string> signature(mapping_->signature.begin(), mapping_->signature.end());
     for (std::size_t m = 0; m < mapping_->rules.size(); ++m) {
@@ -289,26 +279,15 @@ class Reader {
     return absl::OkStatus();
   }
 
+  bool extends_only_ = false;
   bool started_ = false;
   MarkerScheme scheme_;
-  std::vector<MarkerRule> defaults_;  // rules before the first mapping, in terms of markers
   std::optional<MarkerMapping> mapping_;
   std::vector<MarkerMapping> base_mappings_;  // of the extended set
 };
 
-std::string Quoted(const std::string& name) {
-  const bool plain = !name.empty() && name.find_first_of(" \t#\"=+") == std::string::npos &&
-                     !Number({name, false}) && name != "offset";
-  if (plain) return name;
-  std::string quoted = "\"";
-  for (const char c : name) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + '"';
-}
-
-}  // namespace
-
-absl::StatusOr<MarkerScheme> ReadMarkerSetFile(SourceFile file) {
-  Reader reader;
+// Reads all lines. INVALID_ARGUMENT names file and line.
+absl::Status ReadLines(const SourceFile& file, Reader& reader) {
   int number = 0;
   for (std::string_view rest = file.bytes; !rest.empty();) {
     ++number;
@@ -318,40 +297,67 @@ absl::StatusOr<MarkerScheme> ReadMarkerSetFile(SourceFile file) {
     if (!status.ok())
       return InvalidArgument("{}:{}: {}", file.name, number, std::string(status.message()));
   }
-  auto scheme = reader.Finish();
-  if (!scheme.ok()) {
-    return InvalidArgument("{}: {}", file.name, std::string(scheme.status().message()));
+  return absl::OkStatus();
+}
+
+template <typename Result>
+absl::StatusOr<Result> NamingFile(const SourceFile& file, absl::StatusOr<Result> result) {
+  if (result.ok()) return result;
+  return InvalidArgument("{}: {}", file.name, std::string(result.status().message()));
+}
+
+void AppendRule(const MarkerSet& set, std::size_t marker, const MarkerRule& rule,
+                std::string& text) {
+  text += fmt::format("{} =", QuotedName(set.markers[marker]));
+  for (std::size_t p = 0; p < rule.points.size(); ++p) {
+    text += fmt::format("{} {} {}", p > 0 ? " +" : "", rule.points[p].weight,
+                        QuotedName(rule.points[p].name));
   }
-  return scheme;
+  if (!rule.offset_joint.empty()) {
+    text += fmt::format(" offset {} {} {} {}", QuotedName(rule.offset_joint), rule.offset.x(),
+                        rule.offset.y(), rule.offset.z());
+  }
+  text += '\n';
+}
+
+}  // namespace
+
+absl::StatusOr<MarkerScheme> ReadMarkerSetFile(SourceFile file) {
+  Reader reader;
+  MOTIONDB_RETURN_IF_ERROR(ReadLines(file, reader));
+  return NamingFile(file, reader.Finish());
+}
+
+absl::StatusOr<std::vector<MarkerMapping>> ReadMappings(SourceFile file, const MarkerScheme& base) {
+  Reader reader(base);
+  MOTIONDB_RETURN_IF_ERROR(ReadLines(file, reader));
+  return NamingFile(file, reader.FinishMappings());
+}
+
+std::string WriteMapping(const MarkerSet& set, const MarkerMapping& mapping) {
+  std::string text = fmt::format("mapping {}\nsignature", QuotedName(mapping.name));
+  for (const std::string& point : mapping.signature) text += ' ' + QuotedName(point);
+  text += '\n';
+  for (std::size_t m = 0; m < mapping.rules.size(); ++m) {
+    AppendRule(set, m, mapping.rules[m], text);
+  }
+  return text;
 }
 
 std::string WriteMarkerSetFile(const MarkerScheme& scheme) {
   const MarkerSet& set = scheme.set;
-  std::string text = fmt::format("{} {}\nname {}\n", kMagic, kVersion, Quoted(set.name));
-  for (const std::string& marker : set.markers) text += fmt::format("marker {}\n", Quoted(marker));
-  const auto name = [&](int marker) { return Quoted(set.markers[marker]); };
+  std::string text = fmt::format("{} {}\nname {}\n", kMagic, kVersion, QuotedName(set.name));
+  for (const std::string& marker : set.markers)
+    text += fmt::format("marker {}\n", QuotedName(marker));
+  const auto name = [&](int marker) { return QuotedName(set.markers[marker]); };
   text += fmt::format("hips {} {}\n", name(set.landmarks.left_hip), name(set.landmarks.right_hip));
   for (const auto& leg : set.landmarks.legs) {
     text += fmt::format("leg {} {} {}\n", name(leg[0]), name(leg[1]), name(leg[2]));
   }
-  for (const MarkerMapping& mapping : scheme.mappings) {
-    text += fmt::format("mapping {}\nsignature", Quoted(mapping.name));
-    for (const std::string& point : mapping.signature) text += ' ' + Quoted(point);
-    text += '\n';
-    for (std::size_t m = 0; m < mapping.rules.size(); ++m) {
-      const MarkerRule& rule = mapping.rules[m];
-      text += fmt::format("{} =", Quoted(set.markers[m]));
-      for (std::size_t p = 0; p < rule.points.size(); ++p) {
-        text += fmt::format("{} {} {}", p > 0 ? " +" : "", rule.points[p].weight,
-                            Quoted(rule.points[p].name));
-      }
-      if (!rule.offset_joint.empty()) {
-        text += fmt::format(" offset {} {} {} {}", Quoted(rule.offset_joint), rule.offset.x(),
-                            rule.offset.y(), rule.offset.z());
-      }
-      text += '\n';
-    }
+  for (std::size_t m = 0; m < scheme.default_rules.size(); ++m) {
+    if (!scheme.default_rules[m].points.empty()) AppendRule(set, m, scheme.default_rules[m], text);
   }
+  for (const MarkerMapping& mapping : scheme.mappings) text += WriteMapping(set, mapping);
   return text;
 }
 

@@ -11,38 +11,6 @@
 namespace motiondb::core {
 namespace {
 
-std::string_view Word(Provenance provenance) {
-  switch (provenance) {
-    case Provenance::kGiven:
-      return "given";
-    case Provenance::kStated:
-      return "stated";
-    case Provenance::kDeduced:
-      return "deduced";
-    case Provenance::kAssumed:
-      return "assumed";
-  }
-  return "";
-}
-
-std::string_view Word(UpAxis up) {
-  switch (up) {
-    case UpAxis::kX:
-      return "x";
-    case UpAxis::kY:
-      return "y";
-    case UpAxis::kZ:
-      return "z";
-    case UpAxis::kMinusX:
-      return "-x";
-    case UpAxis::kMinusY:
-      return "-y";
-    case UpAxis::kMinusZ:
-      return "-z";
-  }
-  return "";
-}
-
 // Counts the words of a TRC file's first non-blank lines, up to the marker names.
 std::int64_t WordsOfHeader(std::string_view text) {
   constexpr int kLines = 5;
@@ -78,6 +46,38 @@ absl::Status CheckOptions(const ReadOptions& options) {
 
 }  // namespace
 
+std::string_view NameOf(Provenance provenance) {
+  switch (provenance) {
+    case Provenance::kGiven:
+      return "given";
+    case Provenance::kStated:
+      return "stated";
+    case Provenance::kDeduced:
+      return "deduced";
+    case Provenance::kAssumed:
+      return "assumed";
+  }
+  return "";
+}
+
+std::string_view NameOf(UpAxis up) {
+  switch (up) {
+    case UpAxis::kX:
+      return "x";
+    case UpAxis::kY:
+      return "y";
+    case UpAxis::kZ:
+      return "z";
+    case UpAxis::kMinusX:
+      return "-x";
+    case UpAxis::kMinusY:
+      return "-y";
+    case UpAxis::kMinusZ:
+      return "-z";
+  }
+  return "";
+}
+
 absl::StatusOr<FileFormat> FormatOfPath(std::string_view path) {
   const std::string_view extension = path.substr(std::min(path.rfind('.'), path.size()));
   if (IsKeyword(extension, ".bvh")) return FileFormat::kBvh;
@@ -88,9 +88,9 @@ absl::StatusOr<FileFormat> FormatOfPath(std::string_view path) {
 }
 
 std::string Describe(const SourceReport& report) {
-  std::string line =
-      fmt::format("unit {:.6g} m ({}), {} up ({})", report.metres_per_unit,
-                  Word(report.unit_provenance), Word(report.up_axis), Word(report.up_provenance));
+  std::string line = fmt::format("unit {:.6g} m ({}), {} up ({})", report.metres_per_unit,
+                                 NameOf(report.unit_provenance), NameOf(report.up_axis),
+                                 NameOf(report.up_provenance));
   for (const std::string& note : report.notes) line += "; " + note;
   return line;
 }

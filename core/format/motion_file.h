@@ -35,6 +35,11 @@ struct SourceReport {
 // Returns one line of text: "unit 0.01 m (deduced), y up (stated); <notes>".
 std::string Describe(const SourceReport& report);
 
+// "given", "stated", ...
+std::string_view NameOf(Provenance provenance);
+// "y", "-z", ...
+std::string_view NameOf(UpAxis up);
+
 // Overrides by the caller. Must be finite and positive.
 struct ReadOptions {
   std::optional<double> metres_per_unit;

@@ -196,64 +196,9 @@ RShoulder = 1.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 RElbow = CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 RWrist = 1.2 CC_Base_R_Hand + -0.2 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 RHand = 1.4 CC_Base_R_Hand + -0.4 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
-
-# BVH skeletons named after the joints of the body.
-mapping hip-knee-ankle
-signature Hips LeftHip RightHip LeftKnee RightKnee LeftAnkle RightAnkle LeftToes RightToes Ab Chest Neck
-signature Head Head_end LeftShoulder RightShoulder LeftElbow RightElbow LeftWrist RightWrist
-signature LeftWrist_end RightWrist_end
-Waist = 0.4 Ab + 0.6 Chest
-Spine = 0.8 Chest + 0.2 Neck
-Neck = 0.2 Chest + 0.8 Neck
-Head = Head
-HeadTop = 0.5 Head + 0.5 Head_end
-LHip = LeftHip
-LKnee = LeftKnee
-LAnkle = LeftAnkle
-LToe = LeftToes
-LShoulder = LeftShoulder
-LElbow = LeftElbow
-LWrist = LeftWrist
-LHand = 0.5 LeftWrist + 0.5 LeftWrist_end
-RHip = RightHip
-RKnee = RightKnee
-RAnkle = RightAnkle
-RToe = RightToes
-RShoulder = RightShoulder
-RElbow = RightElbow
-RWrist = RightWrist
-RHand = 0.5 RightWrist + 0.5 RightWrist_end
-
-# Character rigs with a straight spine (Mixamo, Rokoko and similar).
-mapping biped
-signature Hips Spine Spine1 Spine2 Neck Head Head_end LeftUpLeg RightUpLeg LeftLeg RightLeg LeftFoot RightFoot
-signature LeftToeBase RightToeBase LeftArm RightArm LeftForeArm RightForeArm LeftHand RightHand
-Waist = 0.3 Spine + 0.7 Spine1
-Spine = Spine2
-Neck = 0.4 Spine2 + 0.6 Neck
-Head = Head
-HeadTop = 0.5 Head + 0.5 Head_end
-LHip = LeftUpLeg
-LKnee = LeftLeg
-LAnkle = LeftFoot
-LToe = LeftToeBase
-LShoulder = LeftArm
-LElbow = LeftForeArm
-LWrist = LeftHand
-LHand = 1.25 LeftHand + -0.25 LeftForeArm
-RHip = RightUpLeg
-RKnee = RightLeg
-RAnkle = RightFoot
-RToe = RightToeBase
-RShoulder = RightArm
-RElbow = RightForeArm
-RWrist = RightHand
-RHand = 1.25 RightHand + -0.25 RightForeArm
 )";
 
 }  // namespace
-
-std::string_view Standard34Set() { return kText.substr(0, kText.find("\nmapping ") + 1); }
 
 const MarkerScheme& StandardScheme() {
   static const MarkerScheme scheme =

@@ -44,14 +44,6 @@ bool HasFreeRotation(const Joint& joint) {
 
 }  // namespace
 
-absl::StatusOr<double> SkeletonLegLength(const MarkerScheme& scheme,
-                                         const std::shared_ptr<const Skeleton>& skeleton) {
-  const JointMotion still{skeleton, 1, JointMatrix::Zero(1, skeleton->dof_count())};
-  // Offsets scale with the result, so measure without them.
-  MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion markers, ApplyScheme(scheme, still, 0.0));
-  return EstimateLegLength(scheme.set, markers);
-}
-
 template <typename Visit>
 void MarkerKinematics::ForEachCoordinate(const Term& term, Visit visit) const {
   for (int j = term.joint; j >= 0; j = skeleton_->joints()[j].parent) {

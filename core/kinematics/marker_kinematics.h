@@ -19,11 +19,6 @@ namespace motiondb::core {
 
 struct BoundRule;
 
-// Returns the skeleton's leg length (m), hip to knee to ankle, at zero angles by the scheme's
-// mapping. INVALID_ARGUMENT if no mapping fits the skeleton or its size cannot be estimated.
-absl::StatusOr<double> SkeletonLegLength(const MarkerScheme& scheme,
-                                         const std::shared_ptr<const Skeleton>& skeleton);
-
 // A pose with derived values; the caller's storage, made by MarkerKinematics::NewPose.
 struct MarkerPose {
   Eigen::RowVectorXd angles;  // 1 x dof_count, rad and m

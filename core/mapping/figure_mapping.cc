@@ -35,6 +35,23 @@ constexpr double kSpineShare = 0.73;
 constexpr double kHandShare = 0.25;  // beyond the wrist, in forearm lengths
 constexpr double kBallShare = 0.72;  // of the way from the ankle to the tip of the toes
 
+// Returns the necessary roles below the minimum confidence: "left knee ('Calf', 0.31), ...".
+std::string UncertainRoles(const Figure& figure) {
+  std::string text;
+  for (const Role role : kNecessaryRoles) {
+    for (const Side side : {Side::kLeft, Side::kRight}) {
+      const RolePoint& point = figure.at(role, side);
+      if (point.confidence >= kMinRoleConfidence) continue;
+      const std::string found =
+          point.is_found()
+              ? fmt::format("('{}', {:.2f})", figure.names[point.index], point.confidence)
+              : "(none)";
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", RoleName(role, side), found);
+    }
+  }
+  return text;
+}
+
 std::string Letter(Side side) { return side == Side::kLeft ? "L" : "R"; }
 
 // The markers of the standard set as sums of the figure's points.
@@ -225,21 +242,6 @@ std::string RoleName(Role role, Side side) {
   return (side == Side::kRight ? "right " : "left ") + name;
 }
 
-std::string DescribeFigure(const Figure& figure) {
-  std::string text;
-  for (std::size_t r = 0; r < kRoleCount; ++r) {
-    const Role role = static_cast<Role>(r);
-    for (const Side side : {Side::kLeft, Side::kRight}) {
-      if (role < Role::kHip && side == Side::kRight) continue;
-      const RolePoint& point = figure.at(role, side);
-      if (!point.is_found()) continue;
-      text += fmt::format("{:14} {:24} {:.2f}\n", RoleName(role, side), figure.names[point.index],
-                          point.confidence);
-    }
-  }
-  return text;
-}
-
 std::vector<std::string> DerivedMarkersOf(const Figure& figure, bool has_hierarchy) {
   std::vector<std::string> derived;
   const auto add_if = [&](bool is_derived, std::initializer_list<const char*> markers) {
@@ -268,15 +270,9 @@ std::vector<std::string> DerivedMarkersOf(const Figure& figure, bool has_hierarc
 absl::StatusOr<MarkerMapping> MapFigure(const MarkerSet& set, const Figure& figure,
                                         const PointCloud& points) {
   if (!figure.problem.empty()) return InvalidArgument("{}", figure.problem);
-  for (const Role role : kNecessaryRoles) {
-    for (const Side side : {Side::kLeft, Side::kRight}) {
-      const RolePoint& point = figure.at(role, side);
-      if (point.confidence >= kMinRoleConfidence) continue;
-      return InvalidArgument(
-          "the {} is uncertain: '{}' has a confidence of {:.2f}, expected {:.2f}",
-          RoleName(role, side), point.is_found() ? figure.names[point.index] : "", point.confidence,
-          kMinRoleConfidence);
-    }
+  if (const std::string uncertain = UncertainRoles(figure); !uncertain.empty()) {
+    return InvalidArgument("uncertain: {}; expected a confidence of {:.2f}", uncertain,
+                           kMinRoleConfidence);
   }
   const FigureMarkers body(figure, points);
   if (!body.has_size()) return InvalidArgument("no frame has both legs and both shoulders");

@@ -22,9 +22,6 @@ absl::StatusOr<MarkerMapping> MapFigure(const MarkerSet& set, const Figure& figu
 // figure has no point near them.
 std::vector<std::string> DerivedMarkersOf(const Figure& figure, bool has_hierarchy);
 
-// Returns one line of text for each role: role, joint or marker, confidence; or "derived".
-std::string DescribeFigure(const Figure& figure);
-
 // Returns the name of a role, such as "left knee".
 std::string RoleName(Role role, Side side);
 

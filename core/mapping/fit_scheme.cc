@@ -80,11 +80,10 @@ absl::StatusOr<MarkerScheme> FitScheme(const MarkerScheme& scheme, const Motion&
   if (!found.ok()) {
     return InvalidArgument(
         "no mapping of marker set '{}' fits, and the {} {} ('{}', ...) cannot be mapped "
-        "automatically: {}; write a file with a mapping that extends {} (docs/file_formats.md), "
-        "and create a database with --marker-set FILE",
+        "automatically: {}; write a mapping (motiondb inspect FILE --write-mapping MAPPING) and "
+        "add it (motiondb mapping add DB MAPPING)",
         scheme.set.name, points.count(), points.parents.empty() ? "markers" : "joints",
-        points.names.empty() ? "" : points.names.front(), std::string(found.status().message()),
-        scheme.set.name);
+        points.names.empty() ? "" : points.names.front(), std::string(found.status().message()));
   }
   if (purpose == FitFor::kQuery) {
     for (std::size_t m = 0; m < scheme.set.markers.size(); ++m) {
@@ -96,7 +95,7 @@ absl::StatusOr<MarkerScheme> FitScheme(const MarkerScheme& scheme, const Motion&
     found->note += fmt::format("; derived from other points: {}", fmt::join(found->derived, ", "));
   }
   if (note != nullptr) *note = std::move(found->note);
-  return MarkerScheme{scheme.set, {std::move(found->mapping)}};
+  return MarkerScheme{scheme.set, {}, {std::move(found->mapping)}};
 }
 
 }  // namespace motiondb::core

@@ -58,6 +58,9 @@ struct MarkerMapping {
 // A marker set with its mappings: the content of a marker-set file.
 struct MarkerScheme {
   MarkerSet set;
+  // Rules in terms of the set's own markers, for markers without a rule in a mapping. Empty, or one
+  // for each marker; one without points is no rule.
+  std::vector<MarkerRule> default_rules;
   std::vector<MarkerMapping> mappings;
 };
 

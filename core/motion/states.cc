@@ -112,6 +112,24 @@ absl::Status CheckPositions(const Eigen::Vector2d& origin, const MarkerMotion& m
   return absl::OkStatus();
 }
 
+// Returns the leg length of the skeleton with all rotations zero. Joints that move relative to
+// their parents are where they are in the first frame.
+absl::StatusOr<double> RestLegLength(const MarkerScheme& scheme, const JointMotion& motion) {
+  const Skeleton& skeleton = *motion.skeleton;
+  JointMotion rest{motion.skeleton, 1, JointMatrix::Zero(1, skeleton.dof_count())};
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Joint& joint = skeleton.joints()[j];
+    for (std::size_t k = 0; k < joint.dofs.size(); ++k) {
+      if (joint.parent < 0 || joint.dofs[k].kind != Dof::Kind::kTranslation) continue;
+      const int dof = skeleton.first_dof(j) + static_cast<int>(k);
+      rest.angles(0, dof) = motion.angles(0, dof);
+    }
+  }
+  // Offsets scale with the result, so measure without them.
+  MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion markers, ApplyScheme(scheme, rest, 0.0));
+  return EstimateLegLength(scheme.set, markers);
+}
+
 }  // namespace
 
 absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotion& motion) {
@@ -145,6 +163,11 @@ absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotio
     return InvalidArgument("cannot estimate the subject's size from its markers; set leg_length_m");
   }
   return height / 2;
+}
+
+absl::StatusOr<double> SkeletonLegLength(const MarkerScheme& scheme,
+                                         const std::shared_ptr<const Skeleton>& skeleton) {
+  return RestLegLength(scheme, {skeleton, 1, JointMatrix::Zero(1, skeleton->dof_count())});
 }
 
 absl::StatusOr<RootPath> ReferenceFrames(const MarkerSet& set, const MarkerMotion& motion) {
@@ -227,6 +250,11 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
     return cancelled && cancelled() ? absl::CancelledError("computing the states was cancelled")
                                     : absl::OkStatus();
   };
+  const auto* const joints = std::get_if<JointMotion>(&motion);
+  const bool has_bones = joints != nullptr && joints->angles.rows() > 0;
+  if (!leg_length_m && has_bones && !scheme.set.landmarks.legs.empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(leg_length_m, RestLegLength(scheme, *joints));
+  }
   const Eigen::Vector2d origin = FloorOrigin(motion);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped,
                             ApplySchemeFrom(origin, scheme, motion, leg_length_m, cancelled));

@@ -2,6 +2,7 @@
 // divided by the subject's leg length.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,11 +25,11 @@ namespace motiondb::core {
 //   1  first release
 //   2  glitches are handled by the database's policy (glitch_policy.h)
 //   3  reference poses at the start are left out, feet and heads can be derived, optical marker
-//   sets
-//      are mapped by their landmarks
-// A database setting that can change while there are clips, such as mappings, needs a version
-// number of its own in ClipRecord, compared wherever this one is.
-inline constexpr int kRepresentationVersion = 3;
+//      sets are mapped by their landmarks
+//   4  the leg length of a skeleton is measured in its rest pose
+// Mappings that are added to a database are applied to stored clips only on request
+// (Engine::ReprocessDatabase).
+inline constexpr int kRepresentationVersion = 4;
 
 // frames x 3: x and y of the reference frame's origin in the world (m), and its heading: the angle
 // of its x axis about the world's z (rad, unwrapped over time).
@@ -52,6 +53,12 @@ struct StateSequence {
 // complete legs. Without legs: half the markers' median height above the lowest marker.
 // INVALID_ARGUMENT if no frame has the necessary markers.
 absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotion& motion);
+
+// Returns the leg length (m) of a skeleton, hip to knee to ankle, at zero angles, by the scheme's
+// mapping. So it does not depend on the pose. INVALID_ARGUMENT if no mapping fits the skeleton or
+// its size cannot be estimated.
+absl::StatusOr<double> SkeletonLegLength(const MarkerScheme& scheme,
+                                         const std::shared_ptr<const Skeleton>& skeleton);
 
 // Returns the reference frame of each frame: origin on the floor below the middle of the hips, x to
 // the front (the line from right to left hip, turned by -90 degrees on the floor). Interpolated if
@@ -78,9 +85,10 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
 using Cleaning = std::optional<GlitchPolicy>;
 inline constexpr Cleaning kObservation = std::nullopt;
 
-// Converts a motion to states: ApplyScheme, glitches, gaps, Resample, ComputeStates. Appends to
-// `notes`, if not null, the glitches and gaps that were found. CANCELLED soon after `cancelled`
-// returns true.
+// Converts a motion to states. Without `leg_length_m`, the size of joints is measured on their
+// bones with all rotations zero, and that of markers is estimated. Steps: ApplyScheme, glitches,
+// gaps, Resample, ComputeStates. Appends to `notes`, if not null, the glitches and gaps that were
+// found. CANCELLED soon after `cancelled` returns true.
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
                                         double frame_rate_hz, Cleaning cleaning,
                                         std::optional<double> leg_length_m = std::nullopt,

@@ -16,7 +16,8 @@ constexpr int kMaxKept = 1 << 14;  // frames: a minute at 273 Hz
 constexpr int kCheckEvery = 64;    // frames between two cancellation checks
 constexpr float kMaxPosition_m = 1e5F;
 constexpr double kMinLeg_m = 0.01;
-constexpr double kMaxLeg_m = 100;
+constexpr double kMaxLeg_m = 100;       // measured, in any unit
+constexpr double kMaxGivenLeg_m = 3;    // of persons and robots
 constexpr double kMinLegChange = 0.01;  // minimum relative change that updates the leg length
 
 bool IsLegLength(double length_m) { return length_m >= kMinLeg_m && length_m <= kMaxLeg_m; }
@@ -70,9 +71,9 @@ absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
     const Model& model, const MarkerScheme& scheme, const std::vector<std::string>& marker_names,
     double frame_rate_hz, std::optional<double> leg_length_m, const ObserverOptions& options) {
   MOTIONDB_RETURN_IF_ERROR(CheckOptions(options, model.settings()));
-  if (leg_length_m && !IsLegLength(*leg_length_m)) {
-    return FieldViolation("leg_length_m", "expected {} to {}, got {}", kMinLeg_m, kMaxLeg_m,
-                          *leg_length_m);
+  if (leg_length_m && !(IsLegLength(*leg_length_m) && *leg_length_m <= kMaxGivenLeg_m)) {
+    return FieldViolation("leg_length_m", "expected {} to {} metres, got {}", kMinLeg_m,
+                          kMaxGivenLeg_m, *leg_length_m);
   }
   if (scheme.set.markers != model.marker_set().markers) {
     return InvalidArgument("marker set: expected the model's, '{}', got '{}'",

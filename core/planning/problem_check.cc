@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <string>
 
@@ -11,6 +12,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr double kMaxGoal_m = 1000;
+constexpr double kMaxHeading = 2 * std::numbers::pi;  // more is usually in degrees
 constexpr double kMaxMotionSeconds = 120;
 constexpr int kMaxAlternatives = 10;
 // All motions of an answer together: ten alternatives of 120 s at 120 Hz are 158,400.
@@ -39,8 +41,10 @@ absl::Status CheckNotNegative(std::string_view field, double value) {
 absl::Status CheckGoal(const FloorPose& goal) {
   MOTIONDB_RETURN_IF_ERROR(CheckBetween("goal.x_m", goal.x, -kMaxGoal_m, kMaxGoal_m));
   MOTIONDB_RETURN_IF_ERROR(CheckBetween("goal.y_m", goal.y, -kMaxGoal_m, kMaxGoal_m));
-  if (std::isfinite(goal.heading)) return absl::OkStatus();
-  return FieldViolation("goal.heading_rad", "expected a finite number, got {}", goal.heading);
+  if (std::abs(goal.heading) <= kMaxHeading) return absl::OkStatus();
+  return FieldViolation("goal.heading_rad",
+                        "expected -2 pi to 2 pi radians, got {0}; {0} degrees are {1:.4g} radians",
+                        goal.heading, goal.heading * std::numbers::pi / 180);
 }
 
 absl::Status CheckLabels(const Model& model, const std::vector<std::string>& labels) {

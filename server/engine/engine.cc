@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
 #include "server/engine/audit_trail.h"
 #include "server/engine/clock.h"
@@ -88,6 +89,37 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
   return absl::OkStatus();
 }
 
+absl::Status Engine::ChangeMarkerScheme(const std::string& database, const SchemeChange& change,
+                                        const storage::WriteOptions& terms) {
+  // GetMarkerSet returns the whole text in one message.
+  constexpr std::size_t kMaxTextBytes = 2 << 20;
+  MOTIONDB_RETURN_IF_ERROR(store_->maintenance().CheckIsWritable());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
+  return live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto changing, live->scheme_mutex().Lock(terms.cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(auto record, store_->GetDatabase(database));
+    MOTIONDB_ASSIGN_OR_RETURN(const auto before, schemes_.Of(record));
+    if (before == nullptr) return NoMarkerSet(database);
+    MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerScheme changed, change(*before));
+    const std::string before_text =
+        std::exchange(record.marker_set_text, core::WriteMarkerSetFile(changed));
+    if (record.marker_set_text.size() > kMaxTextBytes) {
+      return core::WithReason("QUOTA_EXCEEDED",
+                              absl::ResourceExhaustedError(fmt::format(
+                                  "the marker set of database '{}' would have {} bytes; the "
+                                  "maximum is {}",
+                                  database, record.marker_set_text.size(), kMaxTextBytes)));
+    }
+    MOTIONDB_ASSIGN_OR_RETURN(auto scheme, schemes_.Of(record));
+    MOTIONDB_RETURN_IF_ERROR(
+        store_->ReplaceMarkerSet(database, before_text, record.marker_set_text, terms));
+    live->set_scheme(std::move(scheme));
+    spdlog::info("database '{}': marker set changed: mappings={}", database,
+                 changed.mappings.size());
+    return absl::OkStatus();
+  });
+}
+
 void Engine::FreeDeletedDatabases() {
   if (draining_ || purge_queued_.exchange(true)) return;
   workers_.Post(Pool::kMaintenance, [this] {
@@ -166,8 +198,9 @@ absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(
 }
 
 absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& database,
-                                        storage::NewClip clip, const WorkOptions& terms) {
+                                        IngestRequest request, const WorkOptions& terms) {
   Ingested ingested;
+  const bool replaces = request.replace;
   const auto stored = [&](const storage::ClipRecord& record) -> absl::Status {
     spdlog::info("database '{}': clip '{}' stored: frames={}; {}", record.database, record.id,
                  record.frame_count, record.source_report);
@@ -176,8 +209,9 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
     return absl::OkStatus();
   };
   MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
-                            IngestClip(*store_, *database, std::move(clip), options_,
+                            IngestClip(*store_, *database, std::move(request), options_,
                                        workers_.Parallel(Pool::kRequests), terms, stored));
+  if (replaces) skeletons_.Clear();
   return ingested;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -68,6 +69,12 @@ class Engine {
                                                          const storage::WriteOptions& terms = {});
   // Deletes the database with its clips, models and operations, and stops its running build.
   absl::Status DeleteDatabase(const std::string& database, const storage::WriteOptions& terms = {});
+  // Replaces the marker scheme of a database by `change` of it, for later input. NOT_FOUND,
+  // UNAVAILABLE (while the database is being deleted); FAILED_PRECONDITION without a scheme;
+  // RESOURCE_EXHAUSTED if the new one is too long; errors of `change`.
+  using SchemeChange = std::function<absl::StatusOr<core::MarkerScheme>(const core::MarkerScheme&)>;
+  absl::Status ChangeMarkerScheme(const std::string& database, const SchemeChange& change,
+                                  const storage::WriteOptions& terms = {});
   // NOT_FOUND.
   absl::StatusOr<std::shared_ptr<LiveDatabase>> FindDatabase(const std::string& database);
 
@@ -84,11 +91,12 @@ class Engine {
   // Marks an ingest as in flight for the lifetime of the result. A rebuild waits for it.
   absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> BeginIngest(
       const std::shared_ptr<LiveDatabase>& database);
-  // See IngestClip. Also returns the rebuild that will add the clip to the model. CANCELLED also if
+  // See IngestClip. Also returns the rebuild that will add the clip to the model; empty for
+  // validate_only. CANCELLED also if
   // the change was stored but the rebuild was not yet requested, here and in DeleteClip; the
   // rebuild is then requested in the background.
   absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database,
-                                  storage::NewClip clip, const WorkOptions& terms);
+                                  IngestRequest request, const WorkOptions& terms);
   // Returns the rebuild that removes the clip from the model. NOT_FOUND; UNAVAILABLE, here and in
   // CancelOperation, while the database is being deleted.
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,

@@ -8,6 +8,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "core/format/marker_set_file.h"
+#include "core/format/plausibility.h"
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
 #include "server/engine/file_names.h"
@@ -28,7 +29,6 @@ void Complete(const LiveDatabase& database, const core::MotionFile& source,
   storage::ClipRecord& record = clip.record;
   record.database = database.name();
   if (!clip.id_is_fixed) record.id = ClipIdFromFileName(record.file_name);
-  if (record.label.empty()) record.label = kNoLabel;
   record.frame_count = states.frame_count();
   record.duration_seconds = states.frame_count() / states.frame_rate_hz;
   record.source_frame_rate_hz = FrameRate(source.motion);
@@ -47,19 +47,47 @@ std::int64_t ByteCount(const storage::NewClip& clip) {
          static_cast<std::int64_t>(sizeof(float)) * clip.states.states.size();
 }
 
-absl::StatusOr<storage::ClipRecord> AddWithinQuota(const DatabaseQuota& quota,
-                                                   storage::MotionStore& store,
-                                                   LiveDatabase& database,
-                                                   const storage::NewClip& clip) {
-  const StoredAmount expected = AmountOf(clip.record);
+// Adds or replaces a clip. `before`: the clip to replace.
+absl::StatusOr<storage::ClipRecord> StoreWithinQuota(
+    const DatabaseQuota& quota, storage::MotionStore& store, LiveDatabase& database,
+    const std::optional<storage::ClipRecord>& before, const storage::NewClip& clip,
+    bool validate_only) {
+  StoredAmount expected = AmountOf(clip.record);
+  if (before) expected = expected + -AmountOf(*before);
   MOTIONDB_RETURN_IF_ERROR(database.Reserve(expected, quota));
   absl::Cleanup undo = [&] { database.AddStored(-expected); };
-  auto added = store.AddClip(clip);
-  if (added.ok()) {
+  if (validate_only) return clip.record;
+  auto stored = before ? store.ReplaceClip(*before, clip) : store.AddClip(clip);
+  if (stored.ok()) {
     std::move(undo).Cancel();
-    database.AddStored({0, 0, added->byte_count - expected.byte_count});
+    database.AddStored({0, 0, stored->byte_count - clip.record.byte_count});
   }
-  return added;
+  return stored;
+}
+
+// Returns the stored clip that the request replaces, whose id and labels the new clip gets.
+// ALREADY_EXISTS if it is not to be replaced.
+absl::StatusOr<std::optional<storage::ClipRecord>> FindReplaced(storage::MotionStore& store,
+                                                                IngestRequest& request) {
+  storage::NewClip& clip = request.clip;
+  std::optional<storage::ClipRecord> before;
+  if (request.replace || request.validate_only) {
+    auto found = store.FindSameClip(clip);
+    if (found.ok()) {
+      if (!request.replace) return storage::SameClipError(*found, clip);
+      before = *std::move(found);
+    } else if (!absl::IsNotFound(found.status())) {
+      return found.status();
+    }
+  }
+  storage::ClipRecord& record = clip.record;
+  if (before) {
+    record.id = before->id;
+    if (record.label.empty()) record.label = before->label;
+    if (record.subject.empty()) record.subject = before->subject;
+  }
+  if (record.label.empty()) record.label = kNoLabel;
+  return before;
 }
 
 }  // namespace
@@ -71,9 +99,10 @@ std::string ReportOf(const core::SourceReport& report, const std::vector<std::st
 }
 
 absl::StatusOr<storage::ClipRecord> IngestClip(
-    storage::MotionStore& store, LiveDatabase& database, storage::NewClip clip,
+    storage::MotionStore& store, LiveDatabase& database, IngestRequest request,
     const EngineOptions& options, const core::ParallelFor& parallel, const WorkOptions& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored) {
+  storage::NewClip& clip = request.clip;
   const core::SourceFile file{clip.record.file_name, clip.file_bytes};
   const auto skeleton = SkeletonFile(clip.record, clip.skeleton_bytes);
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MaxBytesToRead(clip.record.format, file, skeleton)));
@@ -92,7 +121,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   storage::CancellableMutex::Holder first_clip;
   MOTIONDB_ASSIGN_OR_RETURN(SchemePointer scheme, database.scheme());
   if (scheme == nullptr) {
-    MOTIONDB_ASSIGN_OR_RETURN(first_clip, database.first_clip_mutex().Lock(terms.cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(first_clip, database.scheme_mutex().Lock(terms.cancelled));
     MOTIONDB_ASSIGN_OR_RETURN(scheme, database.scheme());
     if (scheme != nullptr) first_clip.reset();
   }
@@ -120,6 +149,15 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
                                  states->frame_count());
   }
 
+  if (!request.force) {
+    absl::Status plausible = core::CheckBodySize(scheme->set, *states, source->report);
+    if (plausible.ok()) plausible = core::CheckPosture(scheme->set, *states, source->report);
+    if (!plausible.ok()) {
+      return core::InvalidArgument("{}: {}", clip.record.file_name,
+                                   std::string(plausible.message()));
+    }
+  }
+
   Complete(database, *source, *std::move(states), notes, clip);
   clip.cancelled = terms.cancelled;
   if (brings_scheme) clip.marker_set_text = core::WriteMarkerSetFile(*scheme);
@@ -127,7 +165,14 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   clip.record.byte_count = ByteCount(clip);
   storage::ClipRecord record;
   MOTIONDB_RETURN_IF_ERROR(database.WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(record, AddWithinQuota(options.quota, store, database, clip));
+    MOTIONDB_ASSIGN_OR_RETURN(const auto before, FindReplaced(store, request));
+    MOTIONDB_ASSIGN_OR_RETURN(record, StoreWithinQuota(options.quota, store, database, before, clip,
+                                                       request.validate_only));
+    if (request.validate_only) return absl::OkStatus();
+    if (before) {
+      database.ForgetUnreadable(record.id);
+      database.SetDeriveError(record.id, "");
+    }
     if (brings_scheme) database.set_scheme(scheme);
     return stored(record);
   }));

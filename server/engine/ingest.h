@@ -29,16 +29,26 @@ inline std::optional<core::SourceFile> SkeletonFile(const storage::ClipRecord& c
   return core::SourceFile{clip.skeleton_file_name, skeleton_bytes};
 }
 
+// A clip to ingest, and how.
+struct IngestRequest {
+  storage::NewClip clip;
+  bool force = false;          // accept an implausible body (core/format/plausibility.h)
+  bool replace = false;        // see IngestClip
+  bool validate_only = false;  // store nothing
+};
+
 // Reads and stores a clip. The caller sets the file's bytes, the names of the files, the format,
 // what was given about the file and, if it is fixed, the id; the rest is derived. Calls `stored`
-// with it while the database cannot be deleted. Returns the clip when it is durable. On errors
-// nothing has changed, except for errors of `stored`. Codes: INVALID_ARGUMENT (file, line and
-// expectation), ALREADY_EXISTS, NOT_FOUND (the database was deleted), RESOURCE_EXHAUSTED (the clip
-// is too long, needs too much memory or exceeds a quota), CANCELLED, and those of the store. Checks
-// for cancellation before it stores anything: if a sender dies, the end of its stream looks like
-// the end of the file.
+// with it while the database cannot be deleted. Returns the clip when it is durable. With
+// `replace`, the stored clip with the same content or the fixed id is replaced; the new one has its
+// id and, if empty, its label and subject. On errors nothing has changed, except for errors of
+// `stored`. Codes: INVALID_ARGUMENT (file, line and expectation), ALREADY_EXISTS, ABORTED (the clip
+// to replace has changed meanwhile), NOT_FOUND (the database was deleted), RESOURCE_EXHAUSTED (the
+// clip is too long, needs too much memory or exceeds a quota), CANCELLED, and those of the store.
+// Checks for cancellation before it stores anything: if a sender dies, the end of its stream looks
+// like the end of the file.
 absl::StatusOr<storage::ClipRecord> IngestClip(
-    storage::MotionStore& store, LiveDatabase& database, storage::NewClip clip,
+    storage::MotionStore& store, LiveDatabase& database, IngestRequest request,
     const EngineOptions& options, const core::ParallelFor& parallel, const WorkOptions& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored);
 

@@ -30,6 +30,10 @@ struct StoredAmount {
   std::int64_t byte_count = 0;
 
   StoredAmount operator-() const { return {-clip_count, -frame_count, -byte_count}; }
+  StoredAmount operator+(const StoredAmount& other) const {
+    return {clip_count + other.clip_count, frame_count + other.frame_count,
+            byte_count + other.byte_count};
+  }
 };
 
 // The amount of one clip.
@@ -89,9 +93,9 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   absl::Status Retire(const std::function<absl::Status()>& deletion,
                       const core::Cancelled& cancelled = {});
 
-  // Held during the ingest of the first clip of a `source` database, because it determines the
-  // markers.
-  storage::CancellableMutex& first_clip_mutex() { return first_clip_mutex_; }
+  // Held while the scheme changes in the store: by ChangeMarkerScheme, and by the ingest of the
+  // first clip of a `source` database, which determines the markers.
+  storage::CancellableMutex& scheme_mutex() { return scheme_mutex_; }
 
  private:
   void Add(const StoredAmount& amount) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -114,7 +118,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   storage::ConditionVariable life_changed_;
   Life life_ ABSL_GUARDED_BY(mutex_) = Life::kAlive;
   int changes_ ABSL_GUARDED_BY(mutex_) = 0;  // running
-  storage::CancellableMutex first_clip_mutex_;
+  storage::CancellableMutex scheme_mutex_;
 };
 
 }  // namespace motiondb::server

@@ -1,5 +1,6 @@
 #include "server/engine/marker_schemes.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/format/marker_set_file.h"
@@ -39,6 +40,38 @@ absl::StatusOr<MarkerSetSetting> ResolveMarkerSet(const std::string& name,
   return core::InvalidArgument(
       "unknown marker_set '{}'; expected {}, {}, or your own set with marker_set_file", name,
       kStandardMarkerSet, kSourceMarkerSet);
+}
+
+absl::StatusOr<core::MarkerScheme> WithMappings(core::MarkerScheme scheme,
+                                                std::vector<core::MarkerMapping> mappings) {
+  for (core::MarkerMapping& mapping : scheme.mappings) {
+    const bool is_replaced =
+        std::ranges::find(mappings, mapping.name, &core::MarkerMapping::name) != mappings.end();
+    if (!is_replaced) mappings.push_back(std::move(mapping));
+  }
+  if (mappings.size() > core::kMaxMappings) {
+    return core::WithReason("QUOTA_EXCEEDED",
+                            absl::ResourceExhaustedError(fmt::format(
+                                "marker set '{}' would have {} mappings; the maximum is {}",
+                                scheme.set.name, mappings.size(), core::kMaxMappings)));
+  }
+  scheme.mappings = std::move(mappings);
+  return scheme;
+}
+
+absl::StatusOr<core::MarkerScheme> WithoutMapping(core::MarkerScheme scheme,
+                                                  const std::string& mapping) {
+  const auto found = std::ranges::find(scheme.mappings, mapping, &core::MarkerMapping::name);
+  if (found == scheme.mappings.end()) {
+    return core::NotFound("marker set '{}' has no mapping '{}'", scheme.set.name, mapping);
+  }
+  scheme.mappings.erase(found);
+  return scheme;
+}
+
+absl::Status NoMarkerSet(const std::string& database) {
+  return core::FailedPrecondition(
+      "database '{}' has no marker set yet: its first clip determines the markers", database);
 }
 
 absl::StatusOr<MarkerSchemes::SchemePointer> MarkerSchemes::Of(

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/motion/marker_set.h"
@@ -25,6 +26,18 @@ struct MarkerSetSetting {
 // Resolves the name of a set (empty: standard34) and, for a user-defined set, the text of its file.
 // INVALID_ARGUMENT if the name is unknown, name and text do not agree or the text does not parse.
 absl::StatusOr<MarkerSetSetting> ResolveMarkerSet(const std::string& name, const std::string& text);
+
+// Returns the scheme with `mappings` before its own; a mapping with the name of another one
+// replaces it. RESOURCE_EXHAUSTED above core::kMaxMappings.
+absl::StatusOr<core::MarkerScheme> WithMappings(core::MarkerScheme scheme,
+                                                std::vector<core::MarkerMapping> mappings);
+
+// NOT_FOUND if the scheme has no mapping with this name.
+absl::StatusOr<core::MarkerScheme> WithoutMapping(core::MarkerScheme scheme,
+                                                  const std::string& mapping);
+
+// FAILED_PRECONDITION: a `source` database without clips.
+absl::Status NoMarkerSet(const std::string& database);
 
 // Cache of marker schemes. Databases with the same text share a scheme: most use standard34, whose
 // mappings take 100 KB.

@@ -25,6 +25,7 @@ struct ObservedFile {
   core::SourceFile file;
   std::optional<core::SourceFile> skeleton;  // the ASF of an AMC
   core::ReadOptions conventions;
+  bool force = false;  // accept an implausible body size
 };
 
 struct ObservedMarkers {

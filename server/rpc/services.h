@@ -24,6 +24,7 @@ class WaitOperationResponse;
 namespace motiondb::server {
 
 std::unique_ptr<grpc::Service> MakeDatabaseService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeMarkerSetService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeClipService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeModelService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeOperationService(ServiceContext& host);

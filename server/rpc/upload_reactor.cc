@@ -36,17 +36,18 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
   }
 
   absl::Status Answer() override {
-    MOTIONDB_ASSIGN_OR_RETURN(storage::NewClip clip, stream_.Finish());
-    clip.audit = [this](const storage::ClipRecord& record) {
+    MOTIONDB_ASSIGN_OR_RETURN(IngestRequest request, stream_.Finish());
+    const bool validate_only = request.validate_only;
+    request.clip.audit = [this](const storage::ClipRecord& record) {
       return entry().AuditRecordForChange(ClipName(record.database, record.id));
     };
     auto ingested =
-        engine_.Ingest(database_, std::move(clip),
+        engine_.Ingest(database_, std::move(request),
                        {AllowedWork::kAllWork, entry().cancelled(),
                         [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }});
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
-    SetOperation(ingested->operation, *response_.mutable_operation());
+    if (!validate_only) SetOperation(ingested->operation, *response_.mutable_operation());
     in_flight_.reset();
     return absl::OkStatus();
   }

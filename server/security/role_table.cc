@@ -25,6 +25,12 @@ constexpr CallRule kRules[] = {
     {"DatabaseService.ReprocessDatabase", kIngester, kChanges, kLight, kDatabase, "name", kFullName,
      Pool::kChanges},
 
+    {"MarkerSetService.GetMarkerSet", kReader, kReads, kLight, kList, "database"},
+    {"MarkerSetService.AddMappings", kIngester, kChanges, kLight, kDatabase, "database", kFullName,
+     Pool::kChanges},
+    {"MarkerSetService.DeleteMapping", kIngester, kChanges, kLight, kDatabase, "database",
+     kFullName, Pool::kChanges},
+
     {"ClipService.IngestClip", kIngester, kChanges, kHeavy, kDatabase, "header.parent"},
     {"ClipService.GetClip", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListClips", kReader, kReads, kLight, kDatabase, "parent"},

@@ -1,5 +1,6 @@
 #include "server/translate/file_format.h"
 
+#include "core/format/plausibility.h"
 #include "core/motion/error.h"
 #include "server/translate/message_fields.h"
 
@@ -72,6 +73,10 @@ absl::StatusOr<Conventions> ParseConventions(std::string_view prefix,
   if (conventions.has_leg_length_m()) {
     from.leg_length_m = conventions.leg_length_m();
     MOTIONDB_RETURN_IF_ERROR(CheckPositive(field("leg_length_m"), *from.leg_length_m));
+    if (!conventions.force()) {
+      MOTIONDB_RETURN_IF_ERROR(
+          AtField(field("leg_length_m"), core::CheckGivenLegLength(*from.leg_length_m)));
+    }
   }
   switch (conventions.up_axis()) {
     case v1::UP_AXIS_UNSPECIFIED:
@@ -89,6 +94,7 @@ absl::StatusOr<Conventions> ParseConventions(std::string_view prefix,
       return FieldViolation(field("up_axis"), "unknown axis {}; expected X, Y or Z",
                             static_cast<int>(conventions.up_axis()));
   }
+  from.force = conventions.force();
   return from;
 }
 

@@ -25,9 +25,10 @@ absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
 struct Conventions {
   core::ReadOptions read;
   std::optional<double> leg_length_m;
+  bool force = false;  // accept an implausible body
 };
 
-// Converts conventions. Numbers must be finite and not negative; 0 means not given.
+// Converts conventions. Numbers must be finite and positive.
 absl::StatusOr<Conventions> ParseConventions(std::string_view prefix,
                                              const v1::SourceConventions& conventions);
 

@@ -35,12 +35,13 @@ absl::Status IngestStream::Take(v1::IngestClipRequest message) {
     case v1::IngestClipRequest::kHeader:
       return TakeHeader(message.header());
     case v1::IngestClipRequest::kFileBlock:
-      return TakeBlock("file_block", *message.mutable_file_block(), clip_.file_bytes);
+      return TakeBlock("file_block", *message.mutable_file_block(), request_.clip.file_bytes);
     case v1::IngestClipRequest::kSkeletonBlock:
-      if (clip_.record.skeleton_file_name.empty()) {
+      if (request_.clip.record.skeleton_file_name.empty()) {
         return FieldViolation("skeleton_block", "the header names no skeleton file");
       }
-      return TakeBlock("skeleton_block", *message.mutable_skeleton_block(), clip_.skeleton_bytes);
+      return TakeBlock("skeleton_block", *message.mutable_skeleton_block(),
+                       request_.clip.skeleton_bytes);
     case v1::IngestClipRequest::PART_NOT_SET:
       break;
   }
@@ -50,16 +51,18 @@ absl::Status IngestStream::Take(v1::IngestClipRequest message) {
 absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   MOTIONDB_ASSIGN_OR_RETURN(std::string database,
                             ParseDatabaseName("header.parent", header.parent()));
-  clip_.record.file_name = WithoutFolders(header.file_name());
-  clip_.record.skeleton_file_name = WithoutFolders(header.skeleton_file_name());
-  if (clip_.record.file_name.empty()) return FieldViolation("header.file_name", "is missing");
-  MOTIONDB_RETURN_IF_ERROR(CheckFileName("header.file_name", clip_.record.file_name));
+  request_.clip.record.file_name = WithoutFolders(header.file_name());
+  request_.clip.record.skeleton_file_name = WithoutFolders(header.skeleton_file_name());
+  if (request_.clip.record.file_name.empty())
+    return FieldViolation("header.file_name", "is missing");
+  MOTIONDB_RETURN_IF_ERROR(CheckFileName("header.file_name", request_.clip.record.file_name));
   MOTIONDB_RETURN_IF_ERROR(
-      CheckFileName("header.skeleton_file_name", clip_.record.skeleton_file_name));
-  MOTIONDB_ASSIGN_OR_RETURN(clip_.record.format,
-                            ParseFileFormat("header", header.format(), clip_.record.file_name));
-  MOTIONDB_RETURN_IF_ERROR(
-      CheckSkeletonFile("header", clip_.record.format, clip_.record.skeleton_file_name));
+      CheckFileName("header.skeleton_file_name", request_.clip.record.skeleton_file_name));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      request_.clip.record.format,
+      ParseFileFormat("header", header.format(), request_.clip.record.file_name));
+  MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile("header", request_.clip.record.format,
+                                             request_.clip.record.skeleton_file_name));
   MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.label", header.label(), kMaxTextBytes));
   MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.subject", header.subject(), kMaxTextBytes));
   MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
@@ -67,12 +70,15 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   if (!header.clip_id().empty()) {
     MOTIONDB_RETURN_IF_ERROR(CheckClipId("header.clip_id", header.clip_id()));
   }
-  clip_.record.label = header.label();
-  clip_.record.subject = header.subject();
-  clip_.record.given = conventions.read;
-  clip_.record.given_leg_length_m = conventions.leg_length_m;
-  clip_.record.id = header.clip_id();
-  clip_.id_is_fixed = !header.clip_id().empty();
+  request_.clip.record.label = header.label();
+  request_.clip.record.subject = header.subject();
+  request_.clip.record.given = conventions.read;
+  request_.clip.record.given_leg_length_m = conventions.leg_length_m;
+  request_.force = conventions.force;
+  request_.replace = header.replace();
+  request_.validate_only = header.validate_only();
+  request_.clip.record.id = header.clip_id();
+  request_.clip.id_is_fixed = !header.clip_id().empty();
   database_ = std::move(database);
   return absl::OkStatus();
 }
@@ -82,13 +88,14 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
   if (block.size() > kMaxBlockBytes) {
     return FieldViolation(field, "expected at most {} bytes, got {}", kMaxBlockBytes, block.size());
   }
-  const std::size_t received = clip_.file_bytes.size() + clip_.skeleton_bytes.size();
+  const std::size_t received =
+      request_.clip.file_bytes.size() + request_.clip.skeleton_bytes.size();
   if (block.size() > max_file_bytes_ - received) {
     return core::WithReason(
         "FILE_TOO_LARGE",
         absl::ResourceExhaustedError(
             fmt::format("{}: expected at most {} bytes, skeleton included (setting max-file-mib)",
-                        clip_.record.file_name, max_file_bytes_)));
+                        request_.clip.record.file_name, max_file_bytes_)));
   }
   if (bytes.empty()) {
     bytes.swap(block);
@@ -98,16 +105,16 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
   return absl::OkStatus();
 }
 
-absl::StatusOr<storage::NewClip> IngestStream::Finish() {
+absl::StatusOr<IngestRequest> IngestStream::Finish() {
   if (database_.empty()) return FieldViolation("header", "the stream ended without a header");
-  if (clip_.file_bytes.empty()) {
-    return FieldViolation("file_block", "{}: the file is empty", clip_.record.file_name);
+  if (request_.clip.file_bytes.empty()) {
+    return FieldViolation("file_block", "{}: the file is empty", request_.clip.record.file_name);
   }
-  if (!clip_.record.skeleton_file_name.empty() && clip_.skeleton_bytes.empty()) {
+  if (!request_.clip.record.skeleton_file_name.empty() && request_.clip.skeleton_bytes.empty()) {
     return FieldViolation("skeleton_block", "{}: the skeleton file is empty",
-                          clip_.record.skeleton_file_name);
+                          request_.clip.record.skeleton_file_name);
   }
-  return std::move(clip_);
+  return std::move(request_);
 }
 
 }  // namespace motiondb::server

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "storage/records.h"
+#include "server/engine/ingest.h"
 
 namespace motiondb::v1 {
 class IngestClipHeader;
@@ -28,11 +28,13 @@ class IngestStream {
   // Id of the database; empty before the header.
   const std::string& database() const { return database_; }
   // Bytes received so far, of the file and its skeleton.
-  std::size_t byte_count() const { return clip_.file_bytes.size() + clip_.skeleton_bytes.size(); }
+  std::size_t byte_count() const {
+    return request_.clip.file_bytes.size() + request_.clip.skeleton_bytes.size();
+  }
 
   // Returns the clip to ingest, after the end of the stream. Returns INVALID_ARGUMENT if something
   // is missing.
-  absl::StatusOr<storage::NewClip> Finish();
+  absl::StatusOr<IngestRequest> Finish();
 
  private:
   absl::Status TakeHeader(const v1::IngestClipHeader& header);
@@ -40,7 +42,7 @@ class IngestStream {
 
   const std::size_t max_file_bytes_;
   std::string database_;
-  storage::NewClip clip_;
+  IngestRequest request_;
 };
 
 }  // namespace motiondb::server

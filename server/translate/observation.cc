@@ -27,10 +27,16 @@ absl::StatusOr<Observation> FromFile(std::string field, const v1::FileObservatio
     file.skeleton = core::SourceFile{message.skeleton_file_name(), message.skeleton_data()};
   }
   file.conventions = conventions.read;
+  file.force = conventions.force;
   return Observation{std::move(field), file, conventions.leg_length_m};
 }
 
-Observation FromMarkers(std::string field, const v1::MarkerObservation& message) {
+absl::StatusOr<Observation> FromMarkers(std::string field, const v1::MarkerObservation& message) {
+  constexpr double kMaxLeg_m = 3;  // of persons and robots
+  if (message.leg_length_m() > kMaxLeg_m) {
+    return FieldViolation(field + ".leg_length_m", "expected at most {} metres, got {}", kMaxLeg_m,
+                          message.leg_length_m());
+  }
   Observation observation{
       std::move(field),
       ObservedMarkers{{message.marker_names().begin(), message.marker_names().end()},

@@ -95,39 +95,34 @@ absl::StatusOr<std::int64_t> SkeletonOf(Connection& connection, std::int64_t cli
   return row.Integer(0);
 }
 
-std::string ClipResource(const std::string& database, const std::string& clip) {
-  return fmt::format("databases/{}/clips/{}", database, clip);
+// Returns the id of the clip of which MotionStore::FindSameClip returns the record; empty: none.
+absl::StatusOr<std::string> IdOfSameClip(Connection& connection, std::int64_t database_key,
+                                         const NewClip& clip) {
+  Statement alike = connection.Query(
+      "SELECT id FROM clip WHERE database_key = ? AND content_hash = ? AND deleted = 0",
+      database_key, clip.record.content_hash);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool has_same_motion, alike.Step());
+  if (has_same_motion) return alike.Text(0);
+  if (!clip.id_is_fixed) return std::string();
+  Statement named =
+      connection.Query("SELECT id FROM clip WHERE database_key = ? AND id = ? AND deleted = 0",
+                       database_key, clip.record.id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool has_same_id, named.Step());
+  return has_same_id ? named.Text(0) : std::string();
 }
 
 // Returns the id for a new clip. ALREADY_EXISTS: see MotionStore::AddClip.
 absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t database_key,
                                      const NewClip& clip) {
-  const ClipRecord& record = clip.record;
-  Statement alike = connection.Query(
-      "SELECT id FROM clip WHERE database_key = ? AND content_hash = ? AND deleted = 0",
-      database_key, record.content_hash);
-  MOTIONDB_ASSIGN_OR_RETURN(const bool stored, alike.Step());
-  if (stored) {
-    return core::WithResource(
-        "clip", ClipResource(record.database, alike.Text(0)),
-        core::WithReason("MOTION_EXISTS",
-                         absl::AlreadyExistsError(
-                             fmt::format("database '{}' already has the same motion as clip '{}'",
-                                         record.database, alike.Text(0)))));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string same, IdOfSameClip(connection, database_key, clip));
+  if (!same.empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const ClipRecord record,
+                              SelectClip(connection, clip.record.database, same));
+    return SameClipError(record, clip);
   }
-  MOTIONDB_ASSIGN_OR_RETURN(
-      std::string free,
-      ChooseFreeId(connection,
-                   "SELECT 1 FROM clip WHERE database_key = ? AND id = ? AND deleted = 0",
-                   database_key, record.id));
-  if (clip.id_is_fixed && free != record.id) {
-    return core::WithResource(
-        "clip", ClipResource(record.database, record.id),
-        core::WithReason("CLIP_EXISTS", absl::AlreadyExistsError(fmt::format(
-                                            "database '{}' already has another clip '{}'",
-                                            record.database, record.id))));
-  }
-  return free;
+  return ChooseFreeId(connection,
+                      "SELECT 1 FROM clip WHERE database_key = ? AND id = ? AND deleted = 0",
+                      database_key, clip.record.id);
 }
 
 // Inserts a row; `skeleton_key` 0: no skeleton.
@@ -253,6 +248,27 @@ absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& cli
   return SelectClip(connection, record.database, record.id);
 }
 
+absl::StatusOr<ClipRecord> SelectSameClip(Connection& connection, const NewClip& clip) {
+  const std::string& database = clip.record.database;
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, IdOfSameClip(connection, database_key, clip));
+  if (id.empty()) return NoClip(database, clip.record.id);
+  return SelectClip(connection, database, id);
+}
+
+absl::StatusOr<ClipRecord> ReplaceClip(Connection& connection, const ClipRecord& before,
+                                       const NewClip& clip, FreePolicy remains) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
+                            FindDatabase(connection, before.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindListed(connection, database_key, before));
+  if (key == 0) {
+    return absl::AbortedError(fmt::format("{} was deleted or replaced by another call: try again",
+                                          DescribeClip(before.database, before.id)));
+  }
+  MOTIONDB_RETURN_IF_ERROR(RemoveClip(connection, before.database, before.id, remains).status());
+  return InsertClip(connection, clip);
+}
+
 absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
                                                         const std::string& database,
                                                         std::span<const DerivedClip> clips) {
@@ -365,9 +381,10 @@ absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t 
   for (const char* const condition : {"deleted = 0", "deleted = 1"}) {
     Statement row = connection.Query(
         fmt::format("SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND {} AND "
-                    "frame_count = ? AND root_path_crc = ? ORDER BY clip_key DESC LIMIT 1",
+                    "frame_count = ? AND root_path_crc = ? AND leg_length_m = ? AND label = ? "
+                    "ORDER BY clip_key DESC LIMIT 1",
                     condition),
-        database_key, clip.id, clip.frame_count, crc);
+        database_key, clip.id, clip.frame_count, crc, clip.leg_length_m, clip.label);
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (found) return row.Integer(0);
     if (deleted == Deleted::kNot) break;

@@ -17,6 +17,8 @@ namespace motiondb::storage {
 
 // See MotionStore::AddClip.
 absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& clip);
+// See MotionStore::FindSameClip.
+absl::StatusOr<ClipRecord> SelectSameClip(Connection& connection, const NewClip& clip);
 // See MotionStore::PutDerived.
 absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
                                                         const std::string& database,
@@ -38,6 +40,9 @@ enum class FreePolicy { kFree, kLeave };
 // Deletes a clip and returns its record. Its states stay for the current model and a running build.
 absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
                                       const std::string& clip, FreePolicy remains);
+// See MotionStore::ReplaceClip.
+absl::StatusOr<ClipRecord> ReplaceClip(Connection& connection, const ClipRecord& before,
+                                       const NewClip& clip, FreePolicy remains);
 // Deletes the rows and states of those clips in `clip_keys` that are deleted and used by no model.
 absl::Status PurgeRemovedClips(Connection& connection, std::span<const std::int64_t> clip_keys);
 // Returns the keys of all clips that PurgeRemovedClips would delete, ascending.

@@ -116,4 +116,20 @@ absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
   return SetRowChecksum(connection, "database", database_key);
 }
 
+absl::Status UpdateMarkerSetText(Connection& connection, const std::string& database,
+                                 const std::string& before, const std::string& text) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE database SET marker_set_text = ? WHERE database_key = ? AND "
+                 "marker_set_text = ?",
+                 text, database_key, before)
+          .Run());
+  if (connection.changes() == 0) {
+    return absl::AbortedError(
+        fmt::format("another call has changed the marker set of database '{}'", database));
+  }
+  return SetRowChecksum(connection, "database", database_key);
+}
+
 }  // namespace motiondb::storage

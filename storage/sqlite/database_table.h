@@ -28,5 +28,8 @@ absl::Status CheckHasNoDatabases(Connection& connection);
 // different one.
 absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
                               const std::string& text);
+// Replaces the marker set of a database. ABORTED if it is not `before`.
+absl::Status UpdateMarkerSetText(Connection& connection, const std::string& database,
+                                 const std::string& before, const std::string& text);
 
 }  // namespace motiondb::storage

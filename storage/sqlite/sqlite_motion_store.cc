@@ -33,6 +33,15 @@ absl::StatusOr<std::vector<DatabaseRecord>> SqliteMotionStore::ListDatabases(con
   return Read([&](Connection& connection) { return SelectDatabases(connection, page); });
 }
 
+absl::Status SqliteMotionStore::ReplaceMarkerSet(const std::string& database,
+                                                 const std::string& before, const std::string& text,
+                                                 const WriteOptions& terms) {
+  const auto replace = [&](Connection& connection) {
+    return UpdateMarkerSetText(connection, database, before, text);
+  };
+  return WriteWith(terms, replace, Added(static_cast<std::int64_t>(text.size())));
+}
+
 absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
                                                const WriteOptions& terms) {
   return WriteWith(
@@ -60,6 +69,24 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
   auto added = writer_->RunShared(transact, AddedBytes(clip), clip.cancelled, insert);
   write_health_.Note(added.status());
   return added;
+}
+
+absl::StatusOr<ClipRecord> SqliteMotionStore::FindSameClip(const NewClip& clip) {
+  return Read([&](Connection& connection) { return SelectSameClip(connection, clip); });
+}
+
+absl::StatusOr<ClipRecord> SqliteMotionStore::ReplaceClip(const ClipRecord& before,
+                                                          const NewClip& clip) {
+  const auto replace = [&](Connection& connection,
+                           FreePolicy remains) -> absl::StatusOr<ClipRecord> {
+    MOTIONDB_ASSIGN_OR_RETURN(ClipRecord added,
+                              storage::ReplaceClip(connection, before, clip, remains));
+    if (clip.audit) {
+      MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, clip.audit(added)));
+    }
+    return added;
+  };
+  return WriteAndFree({nullptr, clip.cancelled}, replace, Added(AddedBytes(clip)));
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::GetClip(const std::string& database,

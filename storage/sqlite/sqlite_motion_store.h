@@ -54,10 +54,14 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                               const WriteOptions& terms = {}) override;
   absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) override;
   absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) override;
+  absl::Status ReplaceMarkerSet(const std::string& database, const std::string& before,
+                                const std::string& text, const WriteOptions& terms = {}) override;
   absl::Status DeleteDatabase(const std::string& database, const WriteOptions& terms = {}) override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override;
 
   absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) override;
+  absl::StatusOr<ClipRecord> FindSameClip(const NewClip& clip) override;
+  absl::StatusOr<ClipRecord> ReplaceClip(const ClipRecord& before, const NewClip& clip) override;
   absl::StatusOr<ClipRecord> GetClip(const std::string& database, const std::string& clip) override;
   absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
                                                     const Page& page) override;
@@ -158,7 +162,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                  Priority priority = Priority::kOrdinary);
   // Runs work(Connection&, FreePolicy) with kFree, and on DATA_LOSS again with kLeave.
   template <typename Work>
-  auto WriteAndFree(const WriteOptions& terms, const Work& work);
+  auto WriteAndFree(const WriteOptions& terms, const Work& work, Added added = {});
   template <typename Work>
   auto Read(const Work& work);
 

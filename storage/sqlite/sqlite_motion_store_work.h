@@ -40,12 +40,12 @@ auto SqliteMotionStore::WriteWith(const WriteOptions& terms, const Work& work, A
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteAndFree(const WriteOptions& terms, const Work& work) {
-  auto freed =
-      WriteWith(terms, [&](Connection& connection) { return work(connection, FreePolicy::kFree); });
+auto SqliteMotionStore::WriteAndFree(const WriteOptions& terms, const Work& work, Added added) {
+  auto freed = WriteWith(
+      terms, [&](Connection& connection) { return work(connection, FreePolicy::kFree); }, added);
   if (!absl::IsDataLoss(StatusOf(freed))) return freed;
-  return WriteWith(terms,
-                   [&](Connection& connection) { return work(connection, FreePolicy::kLeave); });
+  return WriteWith(
+      terms, [&](Connection& connection) { return work(connection, FreePolicy::kLeave); }, added);
 }
 
 template <typename Work>

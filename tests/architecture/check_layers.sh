@@ -8,6 +8,7 @@ declare -A may_include=(
   [text]="text"
   [core/motion]="core/motion"
   [core/format]="core/format core/mapping core/motion text"
+  [core/inspection]="core/inspection core/format core/mapping core/motion"
   [core/mapping]="core/mapping core/motion"
   [core/kinematics]="core/kinematics core/motion"
   [core/tree]="core/tree core/motion"
@@ -20,6 +21,7 @@ declare -A may_include=(
   [core/observe]="core/observe core/prediction core/estimation core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/calibration]="core/calibration core/prediction core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/planning]="core/planning core/kinematics core/inference core/model core/graph core/tree core/motion"
+  [import]="import core"
   [storage]="storage core"
   [server]="server storage core text motiondb/v1"
   [server/engine]="server/engine storage core text"
@@ -40,7 +42,7 @@ for folder in "${!may_include[@]}"; do
     for prefix in ${may_include[$folder]}; do
       case "$include" in "$prefix"|"$prefix"/*) allowed=1 ;; esac
     done
-    case "$include" in core/*|storage/*|server/*|client/*|tests/*|motiondb/*|text/*) ;; *) allowed=1 ;; esac
+    case "$include" in core/*|import/*|storage/*|server/*|client/*|tests/*|motiondb/*|text/*) ;; *) allowed=1 ;; esac
     if [ "$allowed" = 0 ]; then
       echo "$file:$line: $folder must not include $include"
       bad=1

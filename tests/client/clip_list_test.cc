@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "client/cli/ingest_batch.h"
+#include "client/cli/clip_files.h"
 
 namespace motiondb::tests::clip_list_test {
 namespace {

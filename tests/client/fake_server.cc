@@ -4,6 +4,7 @@
 #include <motiondb/v1/access.grpc.pb.h>
 #include <motiondb/v1/clip.grpc.pb.h>
 #include <motiondb/v1/database.grpc.pb.h>
+#include <motiondb/v1/marker_set.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
@@ -89,6 +90,14 @@ struct FakeServer::Services {
     FakeServer& fake;
   };
 
+  struct MarkerSets : v1::MarkerSetService::Service {
+    explicit MarkerSets(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(GetMarkerSet)
+    MOTIONDB_FAKE_UNARY(AddMappings)
+    MOTIONDB_FAKE_UNARY(DeleteMapping)
+    FakeServer& fake;
+  };
+
   struct Clips : v1::ClipService::Service {
     explicit Clips(FakeServer& server) : fake(server) {}
     Status IngestClip(ServerContext*, grpc::ServerReader<v1::IngestClipRequest>* reader,
@@ -154,6 +163,7 @@ struct FakeServer::Services {
 
   explicit Services(FakeServer& fake)
       : databases(fake),
+        marker_sets(fake),
         clips(fake),
         models(fake),
         queries(fake),
@@ -162,6 +172,7 @@ struct FakeServer::Services {
         status(fake) {}
 
   Databases databases;
+  MarkerSets marker_sets;
   Clips clips;
   Models models;
   Queries queries;
@@ -188,6 +199,7 @@ void FakeServer::Listen() {
   int port = 0;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
   builder.RegisterService(&services_->databases);
+  builder.RegisterService(&services_->marker_sets);
   builder.RegisterService(&services_->clips);
   builder.RegisterService(&services_->models);
   builder.RegisterService(&services_->queries);

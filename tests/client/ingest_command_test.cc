@@ -1,11 +1,12 @@
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/database.pb.h>
-#include <motiondb/v1/model.pb.h>
 #include <motiondb/v1/operation.pb.h>
 
 #include <catch2/catch.hpp>
 
+#include "client/cli/ingest_batch.h"
 #include "tests/client/fake_server.h"
+#include "tests/client/ingest_answers.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
 
@@ -15,46 +16,11 @@ namespace {
 using Catch::Contains;
 using Catch::StartsWith;
 
-v1::IngestClipResponse Stored(const std::string& clip, const std::string& operation) {
-  v1::IngestClipResponse response;
-  response.mutable_clip()->set_name("databases/walks/clips/" + clip);
-  response.mutable_clip()->set_frame_count(100);
-  response.mutable_clip()->set_source_report("unit: metre, as given");
-  response.mutable_operation()->set_name(operation);
-  return response;
-}
-
-// Serves a database that accepts clips and builds model 3.
-void ServeDatabase(FakeServer& server) {
-  server.Answer("GetDatabase", v1::GetDatabaseResponse());
-  v1::WaitOperationResponse running, done;
-  running.mutable_operation()->set_progress(0.4);
-  running.mutable_operation()->set_stage("tree, layer 7");
-  done.mutable_operation()->set_state(v1::OPERATION_STATE_SUCCEEDED);
-  done.mutable_operation()->mutable_rebuild()->set_model("databases/walks/models/3");
-  server.Answer("WaitOperation", running);
-  server.Answer("WaitOperation", done);
-  v1::GetModelResponse model;
-  model.mutable_model()->set_version(3);
-  model.mutable_model()->set_clip_count(19);
-  model.mutable_model()->set_frame_count(6552);
-  model.mutable_model()->set_build_seconds(4.2);
-  server.Answer("GetModel", model);
-}
-
-std::vector<v1::IngestClipHeader> Headers(const FakeServer& server) {
-  std::vector<v1::IngestClipHeader> headers;
-  for (const auto& message : server.Requests<v1::IngestClipRequest>("IngestClip")) {
-    if (message.has_header()) headers.push_back(message.header());
-  }
-  return headers;
-}
-
 TEST_CASE("motiondb ingest: sends files and a list, and waits for the new model", "[client][cli]") {
   FakeServer server;
   ServeDatabase(server);
-  server.Answer("IngestClip", Stored("a", "operations/1"));
-  server.Answer("IngestClip", Stored("b", "operations/2"));
+  server.Answer("IngestClip", StoredClip("a", "operations/1"));
+  server.Answer("IngestClip", StoredClip("b", "operations/2"));
   const TemporaryFolder folder;
   const std::string a = folder.Write("a.bvh", "a").string();
   folder.Write("cmu/07_01.amc", "amc");
@@ -66,10 +32,10 @@ TEST_CASE("motiondb ingest: sends files and a list, and waits for the new model"
                                      "--subject", "bk", "--up-axis", "z"});
   CHECK(result.err == "");
   CHECK(result.exit_code == 0);
-  CHECK_THAT(result.out, StartsWith("a  ") && Contains("    unit: metre, as given\n") &&
-                             Contains("ingested 2 clips, 200 frames; model 3: 19 clips, 6552 frames"
-                                      ", 0 layers, built in 4.20 s\n"));
-  const auto headers = Headers(server);
+  CHECK(
+      result.out ==
+      "ingested 2 clips, 200 frames; model 3: 19 clips, 6552 frames, 0 layers, built in 4.20 s\n");
+  const auto headers = IngestHeaders(server);
   REQUIRE(headers.size() == 2);
   CHECK(headers[0].parent() == "databases/walks");
   CHECK(headers[0].file_name() == "a.bvh");
@@ -86,12 +52,28 @@ TEST_CASE("motiondb ingest: sends files and a list, and waits for the new model"
   }
 }
 
+TEST_CASE("motiondb ingest: prints clip and report of one file, of several with --verbose",
+          "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  server.Answer("IngestClip", StoredClip("a", "operations/1"));
+  const TemporaryFolder folder;
+  const std::string a = folder.Write("a.bvh", "a").string();
+  const std::string b = folder.Write("b.bvh", "b").string();
+  const std::string clip =
+      "a  (no label)  100 frames  0.00 s  leg 0.000 m  from  at 0 Hz\n    unit: metre, as given\n";
+  CHECK_THAT(RunMotiondb(server.address(), {"ingest", "walks", a}).out,
+             StartsWith(clip + "ingested 1 clip, 100 frames; model 3: "));
+  CHECK_THAT(RunMotiondb(server.address(), {"ingest", "walks", a, b, "--verbose"}).out,
+             StartsWith(clip + clip + "ingested 2 clips, 200 frames; model 3: "));
+}
+
 TEST_CASE("motiondb ingest: a bad file does not stop the others, and is reported",
           "[client][cli]") {
   FakeServer server;
   ServeDatabase(server);
   server.Fail("IngestClip", 3, "bad.bvh:7: expected CHANNELS");
-  server.Answer("IngestClip", Stored("good", "operations/1"));
+  server.Answer("IngestClip", StoredClip("good", "operations/1"));
   const TemporaryFolder folder;
   const std::string bad = folder.Write("bad.bvh", "b").string();
   const std::string good = folder.Write("good.bvh", "g").string();
@@ -115,7 +97,7 @@ TEST_CASE("motiondb ingest: stops immediately if the server is unavailable", "[c
   const std::string b = folder.Write("b.bvh", "b").string();
   const auto result = RunMotiondb(server.address(), {"ingest", "walks", a, b});
   CHECK(result.exit_code == 1);
-  CHECK(Headers(server).size() == 1);
+  CHECK(IngestHeaders(server).size() == 1);
   CHECK_THAT(result.err, Contains("shutting down") && Contains("stopped after 0 of 2 files") &&
                              Contains("0 clips are stored"));
 }
@@ -124,7 +106,7 @@ TEST_CASE("motiondb ingest: reports stored clips if the server stops before the 
           "[client][cli]") {
   FakeServer server;
   server.Answer("GetDatabase", v1::GetDatabaseResponse());
-  server.Answer("IngestClip", Stored("a", "operations/1"));
+  server.Answer("IngestClip", StoredClip("a", "operations/1"));
   server.Fail("WaitOperation", 14, "the server is stopping");
   const TemporaryFolder folder;
   const auto result =
@@ -148,7 +130,7 @@ TEST_CASE("motiondb ingest: a missing database is one error", "[client][cli]") {
 TEST_CASE("motiondb ingest: a failed rebuild is an error", "[client][cli]") {
   FakeServer server;
   server.Answer("GetDatabase", v1::GetDatabaseResponse());
-  server.Answer("IngestClip", Stored("a", "operations/1"));
+  server.Answer("IngestClip", StoredClip("a", "operations/1"));
   v1::WaitOperationResponse failed;
   failed.mutable_operation()->set_state(v1::OPERATION_STATE_FAILED);
   failed.mutable_operation()->mutable_error()->set_code(8);
@@ -180,13 +162,13 @@ TEST_CASE("motiondb ingest: a label that is not UTF-8 is an error of the file", 
   const auto result = RunMotiondb(server.address(), {"ingest", "walks", file, "--label", "Gr\xFC"});
   CHECK(result.exit_code == 1);
   CHECK_THAT(result.err, StartsWith("motiondb: " + file + ": the label is not UTF-8 text\n"));
-  CHECK(Headers(server).empty());
+  CHECK(IngestHeaders(server).empty());
 }
 
 TEST_CASE("motiondb ingest: shows progress only on a terminal", "[client][cli]") {
   FakeServer server;
   ServeDatabase(server);
-  server.Answer("IngestClip", Stored("a", "operations/1"));
+  server.Answer("IngestClip", StoredClip("a", "operations/1"));
   const TemporaryFolder folder;
   const auto result =
       RunMotiondb(server.address(), {"ingest", "walks", folder.Write("a.bvh", "a").string()},
@@ -195,6 +177,28 @@ TEST_CASE("motiondb ingest: shows progress only on a terminal", "[client][cli]")
   CHECK_THAT(result.err,
              Contains("1 of 1  a.bvh") && Contains("tree, layer 7") && Contains("40 %"));
   CHECK(result.out.find('\r') == std::string::npos);
+}
+
+TEST_CASE("motiondb ingest: shows the progress of several files", "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  server.Answer("IngestClip", StoredClip("a", "operations/1"));
+  const TemporaryFolder folder;
+  const std::string a = folder.Write("a.bvh", "a").string();
+  const std::string b = folder.Write("b.bvh", "b").string();
+  const auto result = RunMotiondb(server.address(), {"ingest", "walks", a, b}, {.error = true});
+  CHECK(result.exit_code == 0);
+  CHECK_THAT(result.err, Contains("  0 %  1 of 2  a.bvh") && Contains(" 50 %  2 of 2  b.bvh"));
+  CHECK_THAT(result.out, StartsWith("ingested 2 clips"));
+}
+
+TEST_CASE("FileProgressText: contains the time left after 3 s", "[client][cli]") {
+  using client::FileProgressText;
+  CHECK(FileProgressText(0, 344, "a.bvh", 9) == "1 of 344  a.bvh");
+  CHECK(FileProgressText(11, 344, "07_01.amc", 2.9) == "12 of 344  07_01.amc");
+  CHECK(FileProgressText(2, 12, "07_01.amc", 4) == "3 of 12  07_01.amc  about 20 s left");
+  CHECK(FileProgressText(11, 344, "07_01.amc", 3.3) ==
+        "12 of 344  07_01.amc  about 1 min 40 s left");
 }
 
 }  // namespace

@@ -53,6 +53,17 @@ TEST_CASE("motiondb plan: needs only a goal", "[client][cli]") {
   CHECK(!request.include_files());
 }
 
+TEST_CASE("motiondb plan: --force accepts a heading of many turns", "[client][cli]") {
+  FakeServer server;
+  server.Answer("Plan", QuarterCirclePlan());
+  REQUIRE(RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,0,90"}).exit_code == 0);
+  CHECK(Sent(server).goal().heading_rad() == 90);  // for the server to refuse
+  REQUIRE(
+      RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,0,90", "--force"}).exit_code ==
+      0);
+  CHECK(Sent(server).goal().heading_rad() == Approx(90 - 28 * 3.14159265358979));
+}
+
 TEST_CASE("motiondb plan: options are sent in the request", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", QuarterCirclePlan());

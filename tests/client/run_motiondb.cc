@@ -56,13 +56,14 @@ ProgramResult RunProgram(const std::vector<std::string>& command, const ProgramT
   const TemporaryFolder folder;
   PseudoTerminal pseudo;
   if (terminal.input) pseudo.Type(terminal.typed);
+  const std::string in = folder.Write("in", terminal.input_text).string();
   const std::string out = (folder / "out").string();
   const std::string err = (folder / "err").string();
   const int create = O_WRONLY | O_CREAT | O_TRUNC;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(
-      &actions, 0, terminal.input ? pseudo.name().c_str() : "/dev/null", O_RDONLY | O_NOCTTY, 0);
+  posix_spawn_file_actions_addopen(&actions, 0, terminal.input ? pseudo.name().c_str() : in.c_str(),
+                                   O_RDONLY | O_NOCTTY, 0);
   posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), create, 0600);
   posix_spawn_file_actions_addopen(&actions, 2,
                                    terminal.error ? pseudo.name().c_str() : err.c_str(),

@@ -12,11 +12,12 @@ struct ProgramResult {
   std::string err;
 };
 
-// Which standard streams of the process are terminals.
+// Which standard streams of the process are terminals, and its input.
 struct ProgramTerminal {
   bool input = false;  // standard input is a terminal, and `typed` its input
   bool error = false;  // standard error is a terminal
   std::string typed;
+  std::string input_text;  // contents of standard input if it is not a terminal
 };
 
 // Runs a program by path or by a name in PATH.

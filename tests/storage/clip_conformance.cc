@@ -150,6 +150,127 @@ void TestClips(StoreUnderTest& store) {
   }
 }
 
+void TestReplacedClips(StoreUnderTest& store) {
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  const ClipRecord old = Require(store->AddClip(SampleClip("d", "walk", 1)));
+  const NewClip run = SampleClip("d", "run", 2);
+  const ClipRecord run_record = Require(store->AddClip(run));
+  // The same file with other conventions: fewer, different states on another skeleton.
+  NewClip next = SampleClip("d", "walk", 1);
+  next.record.given.metres_per_unit = 0.02;
+  next.record.leg_length_m = 1.1;
+  next.record.label = "march";
+  next.record.create_time_us += 5;
+  next.record.frame_count = 50;
+  next.states = SampleStates(50, 7);
+  next.skeleton = SampleSkeleton("human", 0.5);
+  const auto check_run_is_unchanged = [&] {
+    REQUIRE(Same(Require(store->GetClip("d", "run")), run_record));
+    REQUIRE(Same(Require(store->ReadClipStates("d", "run")), run.states));
+    REQUIRE(Require(store->ReadClipSource("d", "run")).file_bytes == run.file_bytes);
+  };
+  const auto check_walk_is_unchanged = [&] {
+    REQUIRE(Same(Require(store->GetClip("d", "walk")), old));
+    REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), SampleStates(60, 1)));
+    REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run", "walk"});
+  };
+
+  SECTION("the same clip has the same content or the fixed id") {
+    REQUIRE(Same(Require(store->FindSameClip(SampleClip("d", "other", 1))), old));
+    NewClip other = SampleClip("d", "walk", 3);
+    REQUIRE_ERROR(store->FindSameClip(other), StatusCode::kNotFound, "clip");
+    other.id_is_fixed = true;
+    REQUIRE(Same(Require(store->FindSameClip(other)), old));
+    other.record.id = "hop";
+    REQUIRE_ERROR(store->FindSameClip(other), StatusCode::kNotFound, "clip");
+    NewClip both = SampleClip("d", "run", 1);
+    both.id_is_fixed = true;
+    REQUIRE(Same(Require(store->FindSameClip(both)), old));
+
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
+    REQUIRE_ERROR(store->FindSameClip(SampleClip("e", "walk", 1)), StatusCode::kNotFound, "clip");
+    REQUIRE_ERROR(store->FindSameClip(SampleClip(kUnknown, "walk", 1)), StatusCode::kNotFound,
+                  kUnknown);
+    REQUIRE_OK(store->DeleteClip("d", "walk"));
+    REQUIRE_ERROR(store->FindSameClip(SampleClip("d", "walk", 1)), StatusCode::kNotFound, "clip");
+  }
+  SECTION("record, states and files are those of the new clip") {
+    const ClipRecord stored = Require(store->ReplaceClip(old, next));
+    REQUIRE(Same(stored, Expected(next, "walk", stored.skeleton_id)));
+    REQUIRE(Same(Require(store->GetClip("d", "walk")), stored));
+    REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), next.states));
+    REQUIRE(Require(store->ReadClipSource("d", "walk")).file_bytes == next.file_bytes);
+    REQUIRE(Require(store->ReadClipSource("d", "walk")).skeleton_bytes == next.skeleton_bytes);
+    REQUIRE(Same(Require(store->GetSkeleton("d", stored.skeleton_id)), *next.skeleton));
+    REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run", "walk"});
+    check_run_is_unchanged();
+
+    NewClip elsewhere = next;
+    elsewhere.record.database = "e";
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
+    REQUIRE(stored.byte_count == Require(store->AddClip(elsewhere)).byte_count);
+    REQUIRE(stored.byte_count < old.byte_count);
+  }
+  SECTION("the new clip can have another id and other content") {
+    NewClip hop = SampleClip("d", "hop", 3);
+    REQUIRE(Require(store->ReplaceClip(old, hop)).id == "hop");
+    REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"hop", "run"});
+    REQUIRE(Same(Require(store->ReadClipStates("d", "hop")), hop.states));
+    REQUIRE_ERROR(store->GetClip("d", "walk"), StatusCode::kNotFound, "walk");
+    check_run_is_unchanged();
+  }
+  SECTION("the current model keeps the old states until the next one") {
+    const core::Model former = SampleModel({run, SampleClip("d", "walk", 1)});
+    REQUIRE_OK(store->PutModel("d", former));
+    REQUIRE_OK(store->ReplaceClip(old, next));
+    REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), former));
+    const auto staleness = Require(store->FindModelStaleness("d"));
+    REQUIRE(staleness.removed == 1);
+    REQUIRE(staleness.missing == std::vector<std::string>{"walk"});
+    REQUIRE_OK(store->PutModel("d", SampleModel({run, next})));
+    REQUIRE(Require(store->FindModelStaleness("d")).empty());
+    REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), SampleModel({run, next})));
+  }
+  SECTION("a clip that was deleted since it was listed is not replaced") {
+    REQUIRE_OK(store->DeleteClip("d", "walk"));
+    REQUIRE_ERROR(store->ReplaceClip(old, next), StatusCode::kAborted, "clip");
+    REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run"});
+    check_run_is_unchanged();
+  }
+  SECTION("nor is one that was replaced since then") {
+    const ClipRecord stored = Require(store->ReplaceClip(old, next));
+    NewClip late = next;
+    late.record.label = "late";
+    late.record.create_time_us += 5;
+    REQUIRE_ERROR(store->ReplaceClip(old, late), StatusCode::kAborted, "clip");
+    REQUIRE(Same(Require(store->GetClip("d", "walk")), stored));
+    REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), next.states));
+    REQUIRE(Require(store->ReplaceClip(stored, late)).label == "late");
+  }
+  SECTION("either the clip is replaced or nothing changes") {
+    NewClip wrong = next;
+    wrong.record.frame_count = 7;
+    REQUIRE_ERROR(store->ReplaceClip(old, wrong), StatusCode::kInvalidArgument, "walk");
+    check_walk_is_unchanged();
+    // The content of another clip.
+    REQUIRE_ERROR(store->ReplaceClip(old, SampleClip("d", "walk", 2)), StatusCode::kAlreadyExists,
+                  "'run'");
+    check_walk_is_unchanged();
+    check_run_is_unchanged();
+  }
+  SECTION("the audit entry is stored with the change") {
+    next.audit = [](const ClipRecord& stored) {
+      return storage::AuditRecord{.method = "Replace", .resource = stored.id};
+    };
+    REQUIRE_OK(store->ReplaceClip(old, next));
+    REQUIRE_ERROR(store->ReplaceClip(old, next), StatusCode::kAborted, "clip");
+    const auto entries = Require(store->access().ListAuditRecords(0, 10));
+    REQUIRE(entries.size() == 1);
+    REQUIRE(entries[0].method == "Replace");
+    REQUIRE(entries[0].resource == "walk");
+  }
+}
+
 void TestDerivedClips(StoreUnderTest& store) {
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   NewClip walk = SampleClip("d", "walk", 1);

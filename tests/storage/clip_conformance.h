@@ -6,6 +6,7 @@
 namespace motiondb::tests {
 
 void TestClips(StoreUnderTest& store);
+void TestReplacedClips(StoreUnderTest& store);
 void TestDerivedClips(StoreUnderTest& store);
 void TestMarkerSetOfFirstClip(StoreUnderTest& store);
 void TestSkeletons(StoreUnderTest& store);

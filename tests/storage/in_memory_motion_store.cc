@@ -78,6 +78,17 @@ absl::StatusOr<std::vector<DatabaseRecord>> InMemoryMotionStore::ListDatabases(c
                                 [](const auto& entry) { return entry.second.record; });
 }
 
+absl::Status InMemoryMotionStore::ReplaceMarkerSet(const std::string& database,
+                                                   const std::string& before,
+                                                   const std::string& text,
+                                                   const storage::WriteOptions& terms) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const found, Find(database));
+  if (found->record.marker_set_text != before) return absl::AbortedError("marker set changed");
+  found->record.marker_set_text = text;
+  return Note(terms);
+}
+
 absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database,
                                                  const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
@@ -131,6 +142,31 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
     MOTIONDB_RETURN_IF_ERROR(access_.AddAuditRecord(clip.audit(stored.record)));
   }
   return in->clips.emplace(id, std::move(stored)).first->second.record;
+}
+
+absl::StatusOr<ClipRecord> InMemoryMotionStore::FindSameClip(const NewClip& clip) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(clip.record.database));
+  for (const auto& [id, stored] : in->clips) {
+    if (stored.record.content_hash == clip.record.content_hash) return stored.record;
+  }
+  const auto named = in->clips.find(clip.record.id);
+  if (clip.id_is_fixed && named != in->clips.end()) return named->second.record;
+  return absl::NotFoundError("no such clip");
+}
+
+absl::StatusOr<ClipRecord> InMemoryMotionStore::ReplaceClip(const ClipRecord& before,
+                                                            const NewClip& clip) {
+  const auto stored = GetClip(before.database, before.id);
+  const bool is_same = stored.ok() && stored->content_hash == before.content_hash &&
+                       stored->create_time_us == before.create_time_us;
+  if (!is_same) return absl::AbortedError("the clip has changed");
+  Database* const in = *Find(before.database);
+  const Database unchanged = *in;
+  MOTIONDB_RETURN_IF_ERROR(DeleteClip(before.database, before.id, {}).status());
+  auto added = AddClip(clip);
+  if (!added.ok()) *in = unchanged;
+  return added;
 }
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::GetClip(const std::string& database,

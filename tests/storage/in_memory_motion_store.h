@@ -45,6 +45,9 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override;
   absl::StatusOr<std::vector<storage::DatabaseRecord>> ListDatabases(
       const storage::Page& page) override;
+  absl::Status ReplaceMarkerSet(const std::string& database, const std::string& before,
+                                const std::string& text,
+                                const storage::WriteOptions& terms = {}) override;
   absl::Status DeleteDatabase(const std::string& database,
                               const storage::WriteOptions& terms = {}) override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled&) override { return absl::OkStatus(); }
@@ -52,6 +55,9 @@ class InMemoryMotionStore final : public storage::MotionStore {
   storage::WriteFailures write_failures() const override { return {}; }
 
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override;
+  absl::StatusOr<storage::ClipRecord> FindSameClip(const storage::NewClip& clip) override;
+  absl::StatusOr<storage::ClipRecord> ReplaceClip(const storage::ClipRecord& before,
+                                                  const storage::NewClip& clip) override;
   absl::StatusOr<storage::ClipRecord> GetClip(const std::string& database,
                                               const std::string& clip) override;
   absl::StatusOr<std::vector<storage::ClipRecord>> ListClips(const std::string& database,

@@ -38,6 +38,13 @@ void TestDatabases(StoreUnderTest& store) {
                          [](const auto& database) { return database.name; }));
   }
 
+  REQUIRE_ERROR(store->ReplaceMarkerSet(kUnknown, "", "new"), StatusCode::kNotFound, kUnknown);
+  REQUIRE_ERROR(store->ReplaceMarkerSet(other.name, "line", "new"), StatusCode::kAborted, "set");
+  REQUIRE_OK(store->ReplaceMarkerSet(other.name, other.marker_set_text, "new"));
+  other.marker_set_text = "new";
+  REQUIRE(Same(Require(store->GetDatabase(other.name)), other));
+  REQUIRE(Same(Require(store->GetDatabase("walks")), record));
+
   REQUIRE_OK(store->DeleteDatabase("walks"));
   REQUIRE_ERROR(store->GetDatabase("walks"), StatusCode::kNotFound, "walks");
   REQUIRE_OK(store->CreateDatabase(record));
@@ -120,6 +127,7 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
   SECTION("databases are stored") { TestDatabases(*store); }
   SECTION("a database is deleted with its content") { TestDeleteDatabaseWithAll(*store); }
   SECTION("clips are stored") { TestClips(*store); }
+  SECTION("clips are replaced") { TestReplacedClips(*store); }
   SECTION("results of deriving clips again are stored") { TestDerivedClips(*store); }
   SECTION("the first clip can set the marker set") { TestMarkerSetOfFirstClip(*store); }
   SECTION("identical skeletons are stored once") { TestSkeletons(*store); }

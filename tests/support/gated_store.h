@@ -96,6 +96,12 @@ class GatedStore : public storage::MotionStore {
       const storage::Page& page) override {
     return store_->ListDatabases(page);
   }
+  absl::Status ReplaceMarkerSet(const std::string& database, const std::string& before,
+                                const std::string& text,
+                                const storage::WriteOptions& work_options = {}) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->ReplaceMarkerSet(database, before, text, work_options);
+  }
   absl::Status DeleteDatabase(const std::string& database,
                               const storage::WriteOptions& work_options = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
@@ -108,6 +114,14 @@ class GatedStore : public storage::MotionStore {
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->AddClip(clip);
+  }
+  absl::StatusOr<storage::ClipRecord> FindSameClip(const storage::NewClip& clip) override {
+    return store_->FindSameClip(clip);
+  }
+  absl::StatusOr<storage::ClipRecord> ReplaceClip(const storage::ClipRecord& before,
+                                                  const storage::NewClip& clip) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->ReplaceClip(before, clip);
   }
   absl::StatusOr<storage::ClipRecord> GetClip(const std::string& database,
                                               const std::string& clip) override {

@@ -68,7 +68,7 @@ absl::StatusOr<server::Ingested> TestEngine::Ingest(const std::string& database,
   clip.record.file_name = name + ".bvh";
   clip.record.label = name;
   clip.file_bytes = WriteBvh(figure);
-  return engine_->Ingest(*live, std::move(clip), {});
+  return engine_->Ingest(*live, {std::move(clip)}, {});
 }
 
 storage::OperationRecord TestEngine::Wait(const std::string& operation) {

@@ -63,6 +63,15 @@ class Client {
   absl::StatusOr<v1::ReprocessDatabaseResponse> ReprocessDatabase(
       const v1::ReprocessDatabaseRequest& request, CallOptions options = {}) const;
 
+  // ---- Marker sets and mappings ----------------------------------------------------------------
+  absl::StatusOr<v1::GetMarkerSetResponse> GetMarkerSet(const v1::GetMarkerSetRequest& request,
+                                                        CallOptions options = {}) const;
+  // Later input uses the mappings; ReprocessDatabase applies them to stored clips.
+  absl::StatusOr<v1::AddMappingsResponse> AddMappings(const v1::AddMappingsRequest& request,
+                                                      CallOptions options = {}) const;
+  absl::StatusOr<v1::DeleteMappingResponse> DeleteMapping(const v1::DeleteMappingRequest& request,
+                                                          CallOptions options = {}) const;
+
   // ---- Clips and skeletons ---------------------------------------------------------------------
   // Sends a motion file, and its skeleton file if it needs one, in blocks of 1 MiB. Memory use does
   // not depend on the file size. Empty file names in the header are set from the paths. NOT_FOUND

@@ -30,6 +30,16 @@ class ListDatabasesResponse;
 class ReprocessDatabaseRequest;
 class ReprocessDatabaseResponse;
 
+// marker_set.proto
+class AddMappingsRequest;
+class AddMappingsResponse;
+class DeleteMappingRequest;
+class DeleteMappingResponse;
+class GetMarkerSetRequest;
+class GetMarkerSetResponse;
+class Mapping;
+class MarkerSet;
+
 // clip.proto
 class Clip;
 class DeleteClipRequest;

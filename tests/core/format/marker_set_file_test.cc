@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/core/format/same_scheme.h"
+
 namespace motiondb::tests::marker_set_file_test {
 namespace {
 
@@ -26,31 +28,6 @@ std::string ErrorOf(const std::string& text) {
   return std::string(scheme.status().message());
 }
 
-void CheckSame(const core::MarkerScheme& a, const core::MarkerScheme& b) {
-  CHECK(a.set.name == b.set.name);
-  CHECK(a.set.markers == b.set.markers);
-  CHECK(a.set.landmarks.left_hip == b.set.landmarks.left_hip);
-  CHECK(a.set.landmarks.right_hip == b.set.landmarks.right_hip);
-  CHECK(a.set.landmarks.legs == b.set.landmarks.legs);
-  REQUIRE(a.mappings.size() == b.mappings.size());
-  for (std::size_t i = 0; i < a.mappings.size(); ++i) {
-    CHECK(a.mappings[i].name == b.mappings[i].name);
-    CHECK(a.mappings[i].signature == b.mappings[i].signature);
-    REQUIRE(a.mappings[i].rules.size() == b.mappings[i].rules.size());
-    for (std::size_t m = 0; m < a.mappings[i].rules.size(); ++m) {
-      const core::MarkerRule& x = a.mappings[i].rules[m];
-      const core::MarkerRule& y = b.mappings[i].rules[m];
-      CHECK(x.offset_joint == y.offset_joint);
-      CHECK(x.offset == y.offset);
-      REQUIRE(x.points.size() == y.points.size());
-      for (std::size_t p = 0; p < x.points.size(); ++p) {
-        CHECK(x.points[p].name == y.points[p].name);
-        CHECK(x.points[p].weight == y.points[p].weight);
-      }
-    }
-  }
-}
-
 }  // namespace
 
 TEST_CASE("MarkerSetFile: names, hips, rules, quotes, comments, any line end", "[core][format]") {
@@ -67,6 +44,12 @@ TEST_CASE("MarkerSetFile: names, hips, rules, quotes, comments, any line end", "
   CHECK(rig.rules[1].offset_joint == "spine");
   CHECK(rig.rules[1].offset == Eigen::Vector3d(0, 0.1, -0.25));
   CHECK(rig.rules[2].points[0].name == "3");
+  REQUIRE(scheme->default_rules.size() == 3);
+  CHECK(scheme->default_rules[0].points.empty());
+  CHECK(scheme->default_rules[1].points.empty());
+  REQUIRE(scheme->default_rules[2].points.size() == 2);
+  CHECK(scheme->default_rules[2].points[1].name == "Right");
+  CHECK(scheme->default_rules[2].points[1].weight == 0.5);
 }
 
 TEST_CASE("MarkerSetFile: a default rule uses the mapping's own rules", "[core][format]") {
@@ -84,8 +67,12 @@ TEST_CASE("MarkerSetFile: a default rule uses the mapping's own rules", "[core][
 }
 
 TEST_CASE("MarkerSetFile: writing and reading preserves the scheme", "[core][format]") {
+  const core::MarkerScheme standard = core::StandardScheme();
+  CHECK(standard.default_rules.size() == standard.set.markers.size());
   for (const core::MarkerScheme& scheme :
-       {core::StandardScheme(), *core::ReadMarkerSetFile({"my.markers", kGood})}) {
+       {standard, core::MarkerScheme{standard.set, standard.default_rules, {}},
+        core::MarkerScheme{standard.set, {}, {}},
+        *core::ReadMarkerSetFile({"my.markers", kGood})}) {
     const std::string text = core::WriteMarkerSetFile(scheme);
     const auto back = core::ReadMarkerSetFile({"written", text});
     INFO(back.status());

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "core/format/marker_set_file.h"
-#include "core/mapping/figure_mapping.h"
 #include "core/mapping/fit_scheme.h"
+#include "core/mapping/found_roles.h"
 #include "core/motion/states.h"
 #include "tests/core/mapping/convention_body.h"
 #include "tests/core/mapping/conventions/skeleton_conventions.h"
@@ -72,7 +72,7 @@ TEST_CASE("MapFigure: published skeletons and labelled points of many tools", "[
       ++count;
       const core::PointCloud points = PointsOf(convention, bodies);
       const auto found = core::MapAutomatically(scheme.set, points);
-      INFO(found.status().ToString() << '\n' << core::DescribeFigure(core::FindFigure(points)));
+      INFO(found.status().ToString() << '\n' << core::DraftMapping(scheme.set, points));
       bool is_supported = found.ok();
       if (is_supported) {
         const auto [median, maximum] = Errors(found->mapping, points, bodies, leg);

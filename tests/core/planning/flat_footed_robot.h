@@ -52,7 +52,8 @@ inline std::shared_ptr<const core::Skeleton> FlatFootedRobot() {
 
 // The walker's markers on that robot.
 inline core::MarkerScheme RobotScheme() {
-  core::MarkerScheme scheme{WalkerSet(), {{.name = "robot", .signature = {"base", "head"}}}};
+  core::MarkerScheme scheme{.set = WalkerSet(),
+                            .mappings = {{.name = "robot", .signature = {"base", "head"}}}};
   std::vector<core::MarkerRule>& rules = scheme.mappings.front().rules;
   rules.push_back({.points = {{"head"}}});
   for (const std::string side : {"left", "right"}) {

@@ -52,7 +52,10 @@ TEST_CASE("CheckProblem: each wrong number is named", "[core][planning]") {
     CHECK(RefusedAfter([&](PlanProblem& p) { p.goal.x = bad; }) == "goal.x_m");
     CHECK(RefusedAfter([&](PlanProblem& p) { p.goal.y = bad; }) == "goal.y_m");
   }
-  CHECK(RefusedAfter([](PlanProblem& p) { p.goal.heading = kNan; }) == "goal.heading_rad");
+  for (const double bad : {kNan, 6.3, -90.0}) {
+    CHECK(RefusedAfter([&](PlanProblem& p) { p.goal.heading = bad; }) == "goal.heading_rad");
+  }
+  CHECK(RefusedAfter([](PlanProblem& p) { p.goal.heading = -6.28; }).empty());
   for (const double bad : {kNan, kInfinity, -0.1}) {
     CHECK(RefusedAfter([&](PlanProblem& p) { p.position_tolerance_m = bad; }) ==
           "position_tolerance_m");

@@ -29,16 +29,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                                  return taken;
                                                });
   if (!taken) return 0;
-  const auto clip = stream.Finish();
-  tests::CheckRefusalContract(clip.status());
-  if (!clip.ok()) return 0;
-  tests::CheckContract(clip->file_bytes.size() + clip->skeleton_bytes.size() <= kMaxBytes,
+  const auto finished = stream.Finish();
+  tests::CheckRefusalContract(finished.status());
+  if (!finished.ok()) return 0;
+  const storage::NewClip& clip = finished->clip;
+  tests::CheckContract(clip.file_bytes.size() + clip.skeleton_bytes.size() <= kMaxBytes,
                        "a file is within the limit");
-  const storage::ClipRecord& record = clip->record;
+  const storage::ClipRecord& record = clip.record;
   tests::CheckContract(record.file_name.find('/') == std::string::npos,
                        "a file's name has no folder");
-  tests::CheckMotionFile(core::ReadMotionFile(record.format, {record.file_name, clip->file_bytes},
-                                              server::SkeletonFile(record, clip->skeleton_bytes),
+  tests::CheckMotionFile(core::ReadMotionFile(record.format, {record.file_name, clip.file_bytes},
+                                              server::SkeletonFile(record, clip.skeleton_bytes),
                                               record.given));
   return 0;
 }

@@ -34,7 +34,7 @@ class SlowEngine {
     storage::NewClip clip;
     clip.record.file_name = "walk.bvh";
     clip.file_bytes = WriteBvh(Walk(0));
-    return engine_->Ingest(*engine_->FindDatabase(database), std::move(clip),
+    return engine_->Ingest(*engine_->FindDatabase(database), {std::move(clip)},
                            {.cancelled = cancelled});
   }
 

@@ -30,7 +30,7 @@ TEST_CASE("Ingest: the record describes the file", "[server][ingest]") {
   const auto live = engine.Create("db");
   storage::NewClip walk = File("My walk.bvh", Walk());
   walk.record.subject = "me";
-  const auto ingested = engine->Ingest(live, walk, {});
+  const auto ingested = engine->Ingest(live, {walk}, {});
   INFO(ingested.status().ToString());
   REQUIRE(ingested.ok());
   const storage::ClipRecord& clip = ingested->clip;
@@ -66,7 +66,7 @@ TEST_CASE("Ingest: glitches follow the database's setting, and the report names 
   using core::GlitchPolicy;
   TestEngine engine;
   const auto ingest = [&](const char* id, GlitchPolicy policy, int count) {
-    return engine->Ingest(engine.Create(id, policy), File("walk.bvh", WalkWithGlitch(20, count)),
+    return engine->Ingest(engine.Create(id, policy), {File("walk.bvh", WalkWithGlitch(20, count))},
                           {});
   };
   const auto repaired = ingest("repair", GlitchPolicy::kRepair, 3);
@@ -111,16 +111,16 @@ TEST_CASE("Ingest: ids from file names get a number, fixed ids are kept or refus
           "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
-  CHECK(engine->Ingest(live, File("walk.bvh", Walk(0)), {})->clip.id == "walk");
-  CHECK(engine->Ingest(live, File("walk.bvh", Walk(1)), {})->clip.id == "walk-2");
-  const auto duplicate = engine->Ingest(live, File("other.bvh", Walk(1)), {});
+  CHECK(engine->Ingest(live, {File("walk.bvh", Walk(0))}, {})->clip.id == "walk");
+  CHECK(engine->Ingest(live, {File("walk.bvh", Walk(1))}, {})->clip.id == "walk-2");
+  const auto duplicate = engine->Ingest(live, {File("other.bvh", Walk(1))}, {});
   CHECK(absl::IsAlreadyExists(duplicate.status()));
   storage::NewClip fixed = File("walk.bvh", Walk(2));
   fixed.id_is_fixed = true;
   fixed.record.id = "walk";
-  CHECK(absl::IsAlreadyExists(engine->Ingest(live, fixed, {}).status()));
+  CHECK(absl::IsAlreadyExists(engine->Ingest(live, {fixed}, {}).status()));
   fixed.record.id = "mine";
-  CHECK(engine->Ingest(live, fixed, {})->clip.id == "mine");
+  CHECK(engine->Ingest(live, {fixed}, {})->clip.id == "mine");
 }
 
 TEST_CASE("Ingest: a bad file changes nothing", "[server][ingest]") {
@@ -135,7 +135,7 @@ TEST_CASE("Ingest: a bad file changes nothing", "[server][ingest]") {
   slow.replace(slow.find("Frame Time: ") + 12, 11, "50000000.00");
   for (const std::string& bytes : {std::string("not motion"), good.substr(0, good.size() / 2),
                                    stopped_time, one_frame, slow}) {
-    const auto ingested = engine->Ingest(live, File("bad.bvh", bytes), {});
+    const auto ingested = engine->Ingest(live, {File("bad.bvh", bytes)}, {});
     INFO(ingested.status().ToString());
     CHECK(absl::IsInvalidArgument(ingested.status()));
     CHECK(std::string(ingested.status().message()).find("bad.bvh") != std::string::npos);
@@ -150,7 +150,7 @@ TEST_CASE("Ingest: nothing is stored for a cancelled call", "[server][ingest]") 
   TestEngine engine;
   const auto live = engine.Create("db");
   const auto ingested =
-      engine->Ingest(live, File("walk.bvh", Walk()), {.cancelled = [] { return true; }});
+      engine->Ingest(live, {File("walk.bvh", Walk())}, {.cancelled = [] { return true; }});
   CHECK(absl::IsCancelled(ingested.status()));
   CHECK(engine->store().ListClips("db", {})->empty());
 }
@@ -163,7 +163,7 @@ TEST_CASE("Ingest: the first clip of a `source` database sets the markers, also 
   std::atomic<int> stored{0};
   for (int i = 0; i < 6; ++i) {
     threads.emplace_back(
-        [&, i] { stored += engine->Ingest(live, File("walk.bvh", Walk(i)), {}).ok() ? 1 : 0; });
+        [&, i] { stored += engine->Ingest(live, {File("walk.bvh", Walk(i))}, {}).ok() ? 1 : 0; });
   }
   for (std::thread& thread : threads) thread.join();
   CHECK(stored == 6);
@@ -178,7 +178,7 @@ TEST_CASE("Ingest: a change succeeds and is built although its operation cannot 
   TestEngine engine;
   const auto live = engine.Create("db");
   engine.disk().Set(SimulatedDisk::Lacks::kRoomForOperations);
-  const auto ingested = engine->Ingest(live, File("walk.bvh", Walk()), {});
+  const auto ingested = engine->Ingest(live, {File("walk.bvh", Walk())}, {});
   INFO(ingested.status().ToString());
   REQUIRE(ingested.ok());
   CHECK(engine->store().GetClip("db", "walk").ok());
@@ -199,7 +199,7 @@ TEST_CASE("Ingest: a deleted database refuses ingests", "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
   REQUIRE(engine->DeleteDatabase("db").ok());
-  CHECK(absl::IsNotFound(engine->Ingest(live, File("walk.bvh", Walk()), {}).status()));
+  CHECK(absl::IsNotFound(engine->Ingest(live, {File("walk.bvh", Walk())}, {}).status()));
   CHECK(absl::IsNotFound(engine->BeginIngest(live).status()));
 }
 

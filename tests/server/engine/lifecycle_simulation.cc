@@ -147,7 +147,7 @@ void LifecycleSimulation::Ingest() {
     Ask(*operation);
     return absl::OkStatus();
   };
-  const auto ingested = server::IngestClip(store(), *process_->live, std::move(clip), options_,
+  const auto ingested = server::IngestClip(store(), *process_->live, {std::move(clip)}, options_,
                                            core::RunSerially, {}, stored);
   INFO(ingested.status().ToString());
   REQUIRE(ingested.ok());

@@ -30,7 +30,7 @@ std::string IngestBvh(TestEngine& engine, const std::string& name, const std::st
   clip.file_bytes = bvh;
   const auto live = *engine->FindDatabase("db");
   const auto in_flight = engine->BeginIngest(live);
-  const auto ingested = engine->Ingest(live, std::move(clip), {});
+  const auto ingested = engine->Ingest(live, {std::move(clip)}, {});
   INFO(ingested.status().ToString());
   REQUIRE(ingested.ok());
   return ingested->operation.id;

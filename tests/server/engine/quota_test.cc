@@ -120,7 +120,7 @@ TEST_CASE("Quota: a deletion is counted by the deleted clip, also if its id was 
     storage::NewClip clip;
     clip.record.file_name = "walk.bvh";
     clip.file_bytes = WriteBvh({.act = Act::kWalk, .frame_count = frame_count});
-    return engine.Ingest(live, std::move(clip), {}).status();
+    return engine.Ingest(live, {std::move(clip)}, {}).status();
   };
   REQUIRE(ingest(61).ok());
   store.before_deletion = [&] {

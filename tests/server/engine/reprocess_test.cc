@@ -72,7 +72,7 @@ TEST_CASE("Reprocess: uses the parameters of the ingest", "[server][reprocess]")
   clip.file_bytes = WalkBvh(0);
   clip.record.given = {.metres_per_unit = 0.02, .up_axis = core::UpAxis::kY, .frame_rate_hz = 30};
   clip.record.given_leg_length_m = 1.9;
-  const auto ingested = engine->Ingest(live, std::move(clip), {});
+  const auto ingested = engine->Ingest(live, {.clip = std::move(clip), .force = true}, {});
   REQUIRE(ingested.ok());
   engine.Wait(ingested->operation.id);
   const ClipRecord before = StoredClip(engine, "walk");

@@ -204,7 +204,7 @@ TEST_CASE("Monitor: statistics do not wait for a slow disk", "[server][monitor]"
     storage::NewClip clip;
     clip.record.file_name = "walk.bvh";
     clip.file_bytes = WriteBvh(Walk());
-    ingested = (*engine)->Ingest(*(*engine)->FindDatabase("walks"), std::move(clip), {}).ok();
+    ingested = (*engine)->Ingest(*(*engine)->FindDatabase("walks"), {std::move(clip)}, {}).ok();
   });
   disk->AwaitArrival();
   CHECK_THAT(monitor.Exposition(),

@@ -243,6 +243,8 @@ TEST_CASE("Observe: the error names the invalid field", "[server][rpc]") {
   CHECK(ViolatedFields(started([](auto& start) { start.set_database("db"); })) == "start.database");
   CHECK(ViolatedFields(started([](auto& start) { start.set_frame_rate_hz(0); })) ==
         "start.frame_rate_hz");
+  CHECK(ViolatedFields(started([](auto& start) { start.set_leg_length_m(85); })) ==
+        "start.leg_length_m");
   CHECK(ViolatedFields(started([](auto& start) { start.set_leg_length_m(-1); })) ==
         "start.leg_length_m");
   CHECK(ViolatedFields(started([](auto& start) { start.add_horizon_seconds(-1); })) ==

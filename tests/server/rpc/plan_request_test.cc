@@ -88,6 +88,8 @@ TEST_CASE("Plan: the error names the invalid field", "[server][rpc][plan]") {
   expect("goal.x_m", [](auto& r) { r.mutable_goal()->set_x_m(1001); });
   expect("goal.y_m", [](auto& r) { r.mutable_goal()->set_y_m(-kInfinity); });
   expect("goal.heading_rad", [](auto& r) { r.mutable_goal()->set_heading_rad(kNan); });
+  CHECK_THAT(expect("goal.heading_rad", [](auto& r) { r.mutable_goal()->set_heading_rad(90); }),
+             Catch::Contains("90 degrees are 1.571 radians"));
   expect("position_tolerance_m", [](auto& r) { r.set_position_tolerance_m(-0.1); });
   expect("position_tolerance_m", [](auto& r) { r.set_position_tolerance_m(kNan); });
   expect("heading_tolerance_rad", [](auto& r) { r.set_heading_tolerance_rad(-1); });

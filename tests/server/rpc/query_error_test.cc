@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
 #include "tests/server/rpc/refusal.h"
 #include "tests/server/rpc/trained_server.h"
@@ -161,6 +162,51 @@ TEST_CASE("QueryService: the error names the invalid observation", "[server][rpc
   expect("observation.joints.skeleton", joints);
   joints.mutable_joints()->set_skeleton("Hips");
   expect("observation.joints.skeleton", joints);
+}
+
+TEST_CASE("QueryService: joint angles in degrees are refused", "[server][rpc]") {
+  constexpr int kFrames = 30;
+  constexpr int kRotations = 30;  // of the figure, after three translations
+  const auto clips = TrainedServer().NewStub<v1::ClipService>();
+  v1::ListSkeletonsRequest list;
+  list.set_parent("databases/db");
+  const auto skeleton =
+      Ask(*clips, &v1::ClipService::Stub::ListSkeletons, list).response.skeletons(0);
+  REQUIRE(skeleton.dof_count() == 3 + kRotations);
+  // Recognizes a motion in which the last `columns` of the angles are `angle` in the last `frames`
+  // frames, and the translations are `translation`; all other numbers are 0.
+  const auto recognize = [&](float angle, int columns, int frames, float translation = 0) {
+    auto request = RequestFor<v1::RecognizeRequest>("db");
+    v1::JointObservation& joints = *request.mutable_observation()->mutable_joints();
+    joints.set_skeleton(skeleton.name());
+    joints.set_frame_rate_hz(60);
+    joints.set_frame_count(kFrames);
+    std::vector<float> angles;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      angles.insert(angles.end(), 3, translation);
+      const int large = frame < kFrames - frames ? 0 : columns;
+      angles.insert(angles.end(), static_cast<std::size_t>(kRotations - large), 0.0F);
+      angles.insert(angles.end(), static_cast<std::size_t>(large), angle);
+    }
+    joints.set_angles(Pack(angles));
+    const auto stub = TrainedServer().NewStub<v1::QueryService>();
+    return Ask(*stub, &Stub::Recognize, request).status;
+  };
+  for (const float degrees : {40.0F, -40.0F}) {
+    const grpc::Status refused = recognize(degrees, 6, 16);
+    CHECK(refused.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
+    CHECK(ViolatedFields(refused) == "observation.joints.angles");
+    CHECK(refused.error_message().find("expected radians; 6 of 30 rotations") != std::string::npos);
+  }
+  const auto is_accepted = [&](float angle, int columns, int frames, float translation = 0) {
+    const grpc::Status status = recognize(angle, columns, frames, translation);
+    INFO(status.error_message());
+    CHECK(status.ok());
+  };
+  is_accepted(40, 6, 15);       // half of the frames
+  is_accepted(40, 5, kFrames);  // less than a fifth of the rotations
+  is_accepted(6.2F, 9, kFrames);
+  is_accepted(40, 5, kFrames, 40);  // a translation is no angle
 }
 
 TEST_CASE("QueryService: a deadline stops the work", "[server][rpc]") {

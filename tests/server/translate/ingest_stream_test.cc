@@ -30,11 +30,12 @@ TEST_CASE("IngestStream: joins blocks to the file", "[server][translate]") {
   CHECK(stream.database() == "db");
   REQUIRE(stream.Take(Block("abc")).ok());
   REQUIRE(stream.Take(Block("def")).ok());
-  const auto clip = stream.Finish();
-  REQUIRE(clip.ok());
-  CHECK(clip->record.file_name == "walk.BVH");
-  CHECK(clip->record.format == core::FileFormat::kBvh);
-  CHECK(clip->file_bytes == "abcdef");
+  const auto finished = stream.Finish();
+  REQUIRE(finished.ok());
+  const storage::NewClip& clip = finished->clip;
+  CHECK(clip.record.file_name == "walk.BVH");
+  CHECK(clip.record.format == core::FileFormat::kBvh);
+  CHECK(clip.file_bytes == "abcdef");
 }
 
 TEST_CASE("IngestStream: the header comes first and once", "[server][translate]") {
@@ -110,7 +111,7 @@ TEST_CASE("IngestStream: an AMC file comes with its skeleton", "[server][transla
   IngestStream without = stream;
   CHECK(!without.Finish().ok());
   REQUIRE(stream.Take(skeleton).ok());
-  CHECK(stream.Finish()->skeleton_bytes == "asf");
+  CHECK(stream.Finish()->clip.skeleton_bytes == "asf");
 
   IngestStream bvh(100);
   REQUIRE(bvh.Take(Header("walk.bvh")).ok());

@@ -1,0 +1,13 @@
+// The figure of a person in a motion file, from the front and from the left.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace motiondb::client {
+
+// Returns an SVG file with the joints or markers of a result of motiondb-import in its middle
+// frame; points with a role have its name as a tooltip and a colour of their side.
+std::string FigureSvg(const nlohmann::json& inspection);
+
+}  // namespace motiondb::client

@@ -1,0 +1,186 @@
+// motiondb inspect FILE...: shows what motion files contain and whether ingest would accept them.
+// Needs no server.
+#include <fmt/format.h>
+#include <motiondb/v1/clip.pb.h>
+
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/clip_files.h"
+#include "client/cli/command.h"
+#include "client/cli/figure_svg.h"
+#include "client/cli/file_failures.h"
+#include "client/cli/import_process.h"
+#include "client/cli/inspection_text.h"
+#include "client/cli/motion_file.h"
+#include "client/cli/print.h"
+#include "client/cli/progress_bar.h"
+#include "client/output_file.h"
+
+namespace motiondb::client {
+namespace {
+
+using Json = nlohmann::json;
+
+struct InspectOptions {
+  std::vector<std::string> files;
+  std::string plot;
+  std::string write_mapping;
+  SourceOptions source;
+};
+
+void Declare(CLI::App& command, InspectOptions& options) {
+  command
+      .add_option("FILE", options.files,
+                  "Motion files, folders, patterns, or - for a list of paths")
+      ->required();
+  command.add_option("--plot", options.plot, "Draw the body in the middle of one file, as SVG")
+      ->type_name("FILE.svg");
+  command
+      .add_option("--write-mapping", options.write_mapping,
+                  "Write the mapping of one file to standard34, or a draft of it, for `motiondb "
+                  "mapping add`")
+      ->type_name("FILE");
+  AddSourceOptions(command, options.source);
+  command.remove_option(command.get_option("--force"));
+  command.footer(
+      "Needs no server. With one file, prints its joints or markers with their body parts; with\n"
+      "several, a line for each. The exit status is 1 if ingest would reject a file.");
+}
+
+absl::StatusOr<std::string> RequestLine(const std::filesystem::path& file,
+                                        const SourceOptions& source) {
+  Json request = {{"file", file.string()}};
+  const auto skeleton = SkeletonFor(file, source.skeleton);
+  if (!skeleton.ok()) return skeleton.status();
+  if (!skeleton->empty()) request["skeleton"] = skeleton->string();
+  if (source.metres_per_unit > 0) request["metres_per_unit"] = source.metres_per_unit;
+  if (source.frame_rate_hz > 0) request["frame_rate_hz"] = source.frame_rate_hz;
+  if (source.leg_length_m > 0) request["leg_length_m"] = source.leg_length_m;
+  if (!source.up_axis.empty()) request["up_axis"] = source.up_axis;
+  return request.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+// Inspects files and prints the results in the order of the files.
+class Inspections {
+ public:
+  Inspections(std::vector<std::filesystem::path> files, const InspectOptions& options, bool is_json)
+      : files_(std::move(files)), options_(options), is_json_(is_json) {}
+
+  absl::Status Run() {
+    std::vector<std::string> requests;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      auto request = RequestLine(files_[i], options_.source);
+      if (request.ok()) {
+        requests.push_back(*std::move(request));
+        index_of_request_.push_back(i);
+      } else {
+        Arrived(i,
+                {{"file", files_[i].string()}, {"error", std::string(request.status().message())}});
+      }
+    }
+    absl::Status status = absl::OkStatus();
+    const absl::Status ran = RunImportProgram({"inspect"}, requests, [&](std::string_view line) {
+      Json answer = Json::parse(line, nullptr, false);
+      const auto request = answer.is_object() ? answer.value("index", -1) : -1;
+      if (request < 0 || request >= static_cast<int>(index_of_request_.size())) {
+        status = absl::DataLossError("motiondb-import: unreadable answer");
+        return;
+      }
+      Arrived(index_of_request_[static_cast<std::size_t>(request)], std::move(answer));
+    });
+    progress_.Clear();
+    if (!ran.ok()) return ran;
+    return status.ok() ? written_ : status;
+  }
+
+  // Prints the summary of several files. An error if a file was rejected.
+  absl::Status Summary() const {
+    std::fflush(stdout);
+    if (files_.size() > 1 && !is_json_) {
+      PrintFailures(failures_);
+      PrintLine("{} of {} would be accepted", files_.size() - failures_.size(),
+                CountText(static_cast<std::int64_t>(files_.size()), "file"));
+    }
+    if (failures_.empty()) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        fmt::format("ingest would reject {} of {}", failures_.size(),
+                    CountText(static_cast<std::int64_t>(files_.size()), "file")));
+  }
+
+ private:
+  void Arrived(std::size_t index, Json answer) {
+    waiting_.emplace(index, std::move(answer));
+    for (auto next = waiting_.begin(); next != waiting_.end() && next->first == printed_;
+         next = waiting_.erase(next)) {
+      progress_.Clear();
+      Print(next->second);
+      ++printed_;
+    }
+    if (files_.size() > 1) {
+      progress_.Show(static_cast<double>(printed_) / static_cast<double>(files_.size()),
+                     fmt::format("{} of {}", printed_, files_.size()));
+    }
+  }
+
+  void Print(Json& answer) {
+    const bool is_accepted = IsAccepted(answer);
+    if (!is_accepted) failures_.push_back(FailureOf(files_[printed_], RejectionText(answer)));
+    if (is_json_) {
+      answer.erase("index");
+      PrintText(answer.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
+    } else if (files_.size() == 1) {
+      PrintText(InspectionText(answer));
+    } else if (is_accepted) {
+      PrintLineText(InspectionLine(answer));
+    } else {
+      PrintLine("rejected  {}{}", files_[printed_].string(), failures_.back().detail);
+    }
+    if (files_.size() == 1 && !answer.contains("error")) written_ = WriteFiles(answer);
+  }
+
+  absl::Status WriteFiles(const Json& answer) const {
+    if (!options_.plot.empty()) {
+      const absl::Status written = WriteFileAtomically(options_.plot, FigureSvg(answer));
+      if (!written.ok()) return written;
+    }
+    if (options_.write_mapping.empty()) return absl::OkStatus();
+    return WriteFileAtomically(options_.write_mapping, answer.value("mapping_file", ""));
+  }
+
+  const std::vector<std::filesystem::path> files_;
+  const InspectOptions& options_;
+  const bool is_json_;
+  std::vector<std::size_t> index_of_request_;
+  std::map<std::size_t, Json> waiting_;  // answers of later files
+  std::size_t printed_ = 0;
+  std::vector<FileFailure> failures_;
+  absl::Status written_ = absl::OkStatus();
+  ProgressBar progress_;
+};
+
+absl::Status Run(const InspectOptions& options, const GlobalOptions& global) {
+  auto files = FilesOfArguments(options.files, std::cin);
+  if (!files.ok()) return files.status();
+  const bool writes = !options.plot.empty() || !options.write_mapping.empty();
+  if (files->empty()) return absl::InvalidArgumentError("nothing to inspect; expected files");
+  if (writes && files->size() != 1) {
+    return WithExitCode(absl::InvalidArgumentError(fmt::format(
+                            "--plot and --write-mapping need one file, got {}", files->size())),
+                        kWrongUsage);
+  }
+  Inspections inspections(*std::move(files), options, global.json);
+  const absl::Status status = inspections.Run();
+  return status.ok() ? inspections.Summary() : status;
+}
+
+}  // namespace
+
+void AddInspectCommand(CommandLine line) {
+  AddCommand<InspectOptions>(line, "inspect", "Show what motion files contain, without a server",
+                             Declare, Run);
+}
+
+}  // namespace motiondb::client

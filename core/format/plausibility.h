@@ -1,0 +1,29 @@
+// Checks that the motion in a file can be of a person.
+#pragma once
+
+#include "absl/status/status.h"
+#include "core/format/motion_file.h"
+#include "core/motion/states.h"
+
+namespace motiondb::core {
+
+inline constexpr double kMinPersonLeg_m = 0.3;
+inline constexpr double kMaxPersonLeg_m = 1.5;
+
+// Returns INVALID_ARGUMENT, with the probably intended value, for a given leg length that no person
+// has.
+absl::Status CheckGivenLegLength(double leg_length_m);
+
+// Returns INVALID_ARGUMENT, with the unit that was probably intended, for legs shorter than
+// kMinPersonLeg_m or longer than kMaxPersonLeg_m, measured in the states: a given leg length does
+// not hide a wrong unit. `report`: of the file.
+absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
+                           const SourceReport& report);
+
+// Returns INVALID_ARGUMENT, with the up axis that was probably intended, if the body lies or is
+// upside down in 95 % of the frames. A person can lie throughout a clip, but usually the up axis is
+// wrong. OK for a set without legs or without the markers Pelvis and Neck.
+absl::Status CheckPosture(const MarkerSet& set, const StateSequence& states,
+                          const SourceReport& report);
+
+}  // namespace motiondb::core

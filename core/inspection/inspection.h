@@ -1,0 +1,50 @@
+// What a motion file contains and how a database would store it, for `motiondb inspect`.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/format/motion_file.h"
+
+namespace motiondb::core {
+
+// A joint or marker of the file.
+struct InspectedPoint {
+  std::string name;
+  int parent = -1;                     // -1: a root joint or a marker
+  std::string role;                    // point of the body, such as "left knee"; empty: none
+  double confidence = 0;               // of the role, 0 to 1
+  double missing = 0;                  // fraction of frames without the marker
+  std::array<double, 3> position_m{};  // in the middle frame, world; NaN: missing
+};
+
+struct Inspection {
+  SourceReport report;
+  bool has_hierarchy = false;
+  double frame_rate_hz = 0;
+  int frame_count = 0;
+  std::vector<InspectedPoint> points;
+
+  std::string mapping;  // how the points are mapped to standard34; empty: not at all
+  std::string
+      mapping_file;  // that mapping, or a draft of one, as a file for `motiondb mapping add`
+  // The rest needs a mapping.
+  std::optional<double> leg_length_m;
+  std::optional<double> stature_m;
+  std::optional<double> foot_slide_m_per_s;  // median speed of a foot on the floor
+  std::vector<std::string> notes;     // reference pose, glitches, filled gaps, derived markers
+  std::vector<std::string> problems;  // why ingest would reject the file
+};
+
+// Reads a file and converts it to the standard marker set, as ingest with the policy `repair` does.
+// INVALID_ARGUMENT if it cannot be read; all other problems are in the result.
+absl::StatusOr<Inspection> InspectMotion(FileFormat format, SourceFile file,
+                                         std::optional<SourceFile> skeleton,
+                                         const ReadOptions& options,
+                                         std::optional<double> leg_length_m);
+
+}  // namespace motiondb::core

@@ -1,0 +1,98 @@
+#include "import/inspect_request.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace motiondb::importer {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Numbers that JSON lacks (NaN, infinity) become null.
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json NumberOrNull(const std::optional<double>& value) {
+  return value ? NumberOrNull(*value) : Json(nullptr);
+}
+
+std::optional<double> OptionalNumber(const Json& object, const char* name) {
+  const auto found = object.find(name);
+  if (found == object.end()) return std::nullopt;
+  return found->get<double>();
+}
+
+Json PointsJson(const core::Inspection& inspection) {
+  Json points = Json::array();
+  for (const core::InspectedPoint& point : inspection.points) {
+    Json position = Json::array();
+    for (const double coordinate : point.position_m) position.push_back(NumberOrNull(coordinate));
+    points.push_back({{"name", point.name},
+                      {"parent", point.parent},
+                      {"role", point.role},
+                      {"confidence", point.confidence},
+                      {"missing_fraction", point.missing},
+                      {"position_m", std::move(position)}});
+  }
+  return points;
+}
+
+Json ResultJson(const core::Inspection& inspection) {
+  const core::SourceReport& report = inspection.report;
+  const double seconds = inspection.frame_count / inspection.frame_rate_hz;
+  return {{"points_are", inspection.has_hierarchy ? "joints" : "markers"},
+          {"metres_per_unit", report.metres_per_unit},
+          {"metres_per_unit_is", core::NameOf(report.unit_provenance)},
+          {"up_axis", core::NameOf(report.up_axis)},
+          {"up_axis_is", core::NameOf(report.up_provenance)},
+          {"frame_rate_hz", inspection.frame_rate_hz},
+          {"frame_count", inspection.frame_count},
+          {"duration_seconds", NumberOrNull(seconds)},
+          {"leg_length_m", NumberOrNull(inspection.leg_length_m)},
+          {"stature_m", NumberOrNull(inspection.stature_m)},
+          {"foot_slide_m_per_s", NumberOrNull(inspection.foot_slide_m_per_s)},
+          {"mapping", inspection.mapping},
+          {"reader_notes", report.notes},
+          {"notes", inspection.notes},
+          {"problems", inspection.problems},
+          {"points", PointsJson(inspection)},
+          {"mapping_file", inspection.mapping_file}};
+}
+
+}  // namespace
+
+absl::StatusOr<InspectRequest> ParseInspectRequest(std::string_view line) {
+  try {
+    const Json object = Json::parse(line);
+    InspectRequest request;
+    request.file = object.at("file").get<std::string>();
+    request.skeleton = object.value("skeleton", "");
+    request.given.metres_per_unit = OptionalNumber(object, "metres_per_unit");
+    request.given.frame_rate_hz = OptionalNumber(object, "frame_rate_hz");
+    request.leg_length_m = OptionalNumber(object, "leg_length_m");
+    const std::string up = object.value("up_axis", "");
+    for (const auto axis : {core::UpAxis::kX, core::UpAxis::kY, core::UpAxis::kZ}) {
+      if (core::NameOf(axis) == up) request.given.up_axis = axis;
+    }
+    if (!up.empty() && !request.given.up_axis) {
+      return absl::InvalidArgumentError(fmt::format("up_axis: expected x, y or z, got '{}'", up));
+    }
+    return request;
+  } catch (const nlohmann::json::exception& error) {
+    return absl::InvalidArgumentError(error.what());
+  }
+}
+
+std::string InspectionLine(int index, const std::string& file,
+                           const absl::StatusOr<core::Inspection>& inspection) {
+  Json line = {{"index", index}, {"file", file}};
+  if (inspection.ok()) {
+    line.update(ResultJson(*inspection));
+  } else {
+    line["error"] = std::string(inspection.status().message());
+  }
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace motiondb::importer

@@ -1,0 +1,20 @@
+// Limits of a process that reads a file from a stranger.
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/status.h"
+
+namespace motiondb::importer {
+
+struct SandboxLimits {
+  std::int64_t memory_bytes = std::int64_t{2} << 30;  // address space
+  int cpu_seconds = 30;
+};
+
+// Restricts the calling process for the rest of its life: memory, processor time, no new files, and
+// only the system calls that computing, reading and writing open files need. A forbidden call kills
+// the process (SIGSYS). The caller must be single-threaded. INTERNAL if the kernel refuses.
+absl::Status EnterSandbox(const SandboxLimits& limits);
+
+}  // namespace motiondb::importer

@@ -1,0 +1,98 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/client/run_motiondb.h"
+#include "tests/client/temporary_folder.h"
+#include "tests/support/humanoid_bvh.h"
+
+namespace motiondb::tests::inspect_command_test {
+namespace {
+
+using Catch::Contains;
+using Catch::StartsWith;
+
+constexpr char kNoServer[] = "127.0.0.1:1";
+constexpr char kPole[] =
+    "HIERARCHY\nROOT base\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\n"
+    "OFFSET 0 1 0\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.1\n0 0 0\n0 0 1\n";
+
+ProgramResult RunInspect(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "inspect");
+  return RunMotiondb(kNoServer, arguments);
+}
+
+TEST_CASE("motiondb inspect: one file with its body parts, without a server", "[client][cli]") {
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", HumanoidBvh(100, 60)).string();
+  const std::string plot = (folder / "a.svg").string();
+  const std::string mapping = (folder / "mapping.txt").string();
+  const auto result = RunInspect({file, "--plot", plot, "--write-mapping", mapping});
+  CHECK(result.err.empty());
+  CHECK(result.exit_code == 0);
+  CHECK_THAT(result.out, StartsWith(file + "\n") && Contains("left knee") &&
+                             Contains("unit        0.01 m (deduced)") &&
+                             Contains("leg length  0.82 m") &&
+                             Contains("plausible   yes: ingest would accept the file"));
+  CHECK_THAT(folder.Read("mapping.txt"),
+             StartsWith("motiondb-marker-set 1\nextend standard34\nmapping "));
+  CHECK_THAT(folder.Read("a.svg"), Contains("LeftLeg: left knee") && Contains("from the left"));
+}
+
+TEST_CASE("motiondb inspect: a line for each of several files, and rejected ones by reason",
+          "[client][cli]") {
+  const TemporaryFolder folder;
+  folder.Write("files/a.bvh", HumanoidBvh(100, 60));
+  folder.Write("files/b.bvh", kPole);
+  folder.Write("files/c.bvh", "HIERARCHY\n");
+  const auto result = RunInspect({(folder / "files").string()});
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.out, StartsWith("ok        ") && Contains("a.bvh: 2 s, 30 Hz, leg 0.82 m") &&
+                             Contains("1 of 3 files would be accepted"));
+  CHECK_THAT(result.err, Contains("motiondb mapping add DB MAPPING") && Contains("c.bvh") &&
+                             Contains("ingest would reject 2 of 3 files"));
+}
+
+TEST_CASE("motiondb inspect: a wrong flag is answered with the right one", "[client][cli]") {
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", HumanoidBvh(100, 60)).string();
+  const auto result = RunInspect({file, "--metres-per-unit", "1"});
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.out, Contains("try         --metres-per-unit 0.01\n"));
+}
+
+TEST_CASE("motiondb inspect: --json prints one object per file, in order", "[client][cli]") {
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments = {"--json"};
+  for (const char* name : {"b.bvh", "a.bvh", "none.bvh"})
+    arguments.push_back((folder / name).string());
+  folder.Write("a.bvh", HumanoidBvh(100, 2000));
+  folder.Write("b.bvh", HumanoidBvh(1, 20));
+  const auto result = RunInspect(arguments);
+  CHECK(result.exit_code == 1);
+  std::istringstream lines(result.out);
+  std::vector<nlohmann::json> objects;
+  for (std::string line; std::getline(lines, line);) objects.push_back(nlohmann::json::parse(line));
+  REQUIRE(objects.size() == 3);
+  CHECK(objects[0].at("metres_per_unit") == 1);
+  CHECK(objects[1].at("metres_per_unit") == 0.01);
+  CHECK(objects[1].at("frame_count") == 2000);
+  CHECK(objects[1].at("points").size() >= 21);
+  CHECK(objects[2].at("error") == "no such file");
+}
+
+TEST_CASE("motiondb inspect: wrong use, and a missing motiondb-import", "[client][cli]") {
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", HumanoidBvh(100, 20)).string();
+  CHECK(RunInspect({file, file, "--plot", "x.svg"}).exit_code == 2);
+  CHECK(RunInspect({}).exit_code == 2);
+  setenv("MOTIONDB_IMPORT", (folder / "none").c_str(), 1);
+  const auto result = RunInspect({file});
+  unsetenv("MOTIONDB_IMPORT");
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.err, StartsWith("motiondb: motiondb-import: No such file"));
+}
+
+}  // namespace
+}  // namespace motiondb::tests::inspect_command_test

@@ -1,0 +1,103 @@
+#include "core/inspection/inspection.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/format/marker_set_file.h"
+#include "core/inspection/body_measures.h"
+#include "tests/support/humanoid_bvh.h"
+
+namespace motiondb::tests::inspection_test {
+namespace {
+
+core::Inspection Inspect(const std::string& bvh, const core::ReadOptions& given = {}) {
+  const auto inspection = core::InspectMotion(core::FileFormat::kBvh, {"a.bvh", bvh}, std::nullopt,
+                                              given, std::nullopt);
+  INFO(inspection.status());
+  REQUIRE(inspection.ok());
+  return *inspection;
+}
+
+const core::InspectedPoint& PointNamed(const core::Inspection& inspection,
+                                       const std::string& name) {
+  const auto found = std::ranges::find(inspection.points, name, &core::InspectedPoint::name);
+  REQUIRE(found != inspection.points.end());
+  return *found;
+}
+
+TEST_CASE("InspectMotion: finds body parts, conventions and sizes", "[core][inspection]") {
+  const core::Inspection inspection = Inspect(HumanoidBvh(100, 60));
+  CHECK(inspection.problems.empty());
+  CHECK(inspection.has_hierarchy);
+  CHECK(inspection.frame_count == 60);
+  CHECK(inspection.frame_rate_hz == Approx(30).margin(0.01));
+  CHECK(inspection.report.metres_per_unit == 0.01);
+  CHECK(inspection.leg_length_m.value() == Approx(0.82).margin(0.005));
+  CHECK(inspection.stature_m.value() == Approx(1.7).margin(0.15));
+  CHECK(PointNamed(inspection, "LeftLeg").role == "left knee");
+  CHECK(PointNamed(inspection, "LeftLeg").confidence > 0.8);
+  CHECK(PointNamed(inspection, "RightForeArm").role == "right elbow");
+  CHECK(inspection.points[PointNamed(inspection, "LeftLeg").parent].name == "LeftUpLeg");
+  CHECK(PointNamed(inspection, "Hips").position_m[2] == Approx(0.93).margin(0.01));
+}
+
+TEST_CASE("InspectMotion: the mapping file is one that a database accepts", "[core][inspection]") {
+  const core::Inspection inspection = Inspect(HumanoidBvh(100, 60));
+  const auto mappings =
+      core::ReadMappings({"mapping", inspection.mapping_file}, core::StandardScheme());
+  INFO(inspection.mapping_file);
+  INFO(mappings.status());
+  REQUIRE(mappings.ok());
+  CHECK(mappings->size() == 1);
+}
+
+TEST_CASE("InspectMotion: problems of a file that ingest would reject", "[core][inspection]") {
+  SECTION("a wrong unit") {
+    const auto inspection = Inspect(HumanoidBvh(100, 60), {.metres_per_unit = 1});
+    REQUIRE(inspection.problems.size() == 1);
+    CHECK_THAT(inspection.problems[0], Catch::Contains("--metres-per-unit 0.01"));
+  }
+  SECTION("a wrong up axis") {
+    const auto inspection = Inspect(HumanoidBvh(100, 60), {.up_axis = core::UpAxis::kZ});
+    REQUIRE(inspection.problems.size() == 1);
+    CHECK_THAT(inspection.problems[0], Catch::Contains("--up-axis y"));
+  }
+  SECTION("no person: a draft of a mapping names what was found") {
+    std::string bvh = HumanoidBvh(100, 20);
+    for (std::size_t at; (at = bvh.find("ForeArm")) != std::string::npos;)
+      bvh.replace(at, 7, "Stick");
+    for (std::size_t at; (at = bvh.find("JOINT LeftHand")) != std::string::npos;) {
+      bvh.replace(at, 14, "JOINT Prop");
+    }
+    const auto inspection = Inspect(bvh);
+    if (!inspection.problems.empty()) {
+      CHECK_THAT(inspection.mapping_file, Catch::Contains("LKnee = \"LeftLeg\"  # confidence"));
+    }
+  }
+}
+
+TEST_CASE("InspectMotion: a file that cannot be read is an error", "[core][inspection]") {
+  const std::string bvh = HumanoidBvh(100, 20);
+  const auto cut = core::InspectMotion(core::FileFormat::kBvh, {"a.bvh", bvh.substr(0, 300)},
+                                       std::nullopt, {}, std::nullopt);
+  CHECK(cut.status().code() == absl::StatusCode::kInvalidArgument);
+}
+
+TEST_CASE("FootSlide: zero for a fixed foot, the speed of a sliding one", "[core][inspection]") {
+  core::MarkerMotion motion;
+  motion.names = core::StandardScheme().set.markers;
+  motion.frame_rate_hz = 50;
+  motion.positions_m = core::FrameMatrix::Zero(100, 3 * 34);
+  CHECK(core::FootSlide(motion, 0.85).value() == 0);
+  for (int t = 0; t < 100; ++t) {
+    for (int m = 0; m < 34; ++m) motion.positions_m(t, 3 * m) = 0.01F * static_cast<float>(t);
+  }
+  CHECK(core::FootSlide(motion, 0.85).value() == Approx(0.5).margin(1e-3));
+  motion.positions_m.setConstant(std::nanf(""));
+  CHECK(!core::FootSlide(motion, 0.85));
+  CHECK(!core::Stature(motion, 0.85));
+}
+
+}  // namespace
+}  // namespace motiondb::tests::inspection_test

@@ -34,6 +34,8 @@ bool WriteAll(int descriptor, std::string_view text) {
 [[noreturn]] void RunChild(const std::function<std::string()>& work, const SandboxLimits& limits,
                            bool is_sandboxed, int descriptor) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // Handlers of the parent would make other system calls.
+  for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV}) signal(fatal, SIG_DFL);
   close(STDIN_FILENO);  // the parent's requests and answers
   close(STDOUT_FILENO);
   if (is_sandboxed) {

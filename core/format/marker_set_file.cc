@@ -74,7 +74,9 @@ class Reader {
     for (MarkerMapping& mapping : base_mappings_) {
       if (!HasMapping(mapping.name)) scheme_.mappings.push_back(std::move(mapping));
     }
-    scheme_.default_rules.resize(scheme_.set.markers.size());
+    const bool has_defaults = std::ranges::any_of(
+        scheme_.default_rules, [](const MarkerRule& rule) { return !rule.points.empty(); });
+    scheme_.default_rules.resize(has_defaults ? scheme_.set.markers.size() : 0);
     if (scheme_.set.landmarks.left_hip < 0) {
       scheme_.set.landmarks = RecognizeLandmarks(scheme_.set.markers);
     }

@@ -39,7 +39,7 @@ std::optional<Unit> UnitOfLeg(double leg_units) {
   return best;
 }
 
-// Returns the median length (m) of the legs in the states; without legs the sequence's leg length.
+// Returns the median length (m) of the legs in the states; the given one if they are never whole.
 double MeasuredLeg(const MarkerSet& set, const StateSequence& states) {
   constexpr int kSampledFrames = 200;
   const int step = std::max(1, states.frame_count() / kSampledFrames);
@@ -108,6 +108,7 @@ absl::Status CheckGivenLegLength(double leg_length_m) {
 
 absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
                            const SourceReport& report) {
+  if (set.landmarks.legs.empty()) return absl::OkStatus();
   const double leg_length_m = MeasuredLeg(set, states);
   if (IsPersonLeg(leg_length_m)) return absl::OkStatus();
   const auto unit = UnitOfLeg(leg_length_m / report.metres_per_unit);

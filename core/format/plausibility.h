@@ -16,7 +16,7 @@ absl::Status CheckGivenLegLength(double leg_length_m);
 
 // Returns INVALID_ARGUMENT, with the unit that was probably intended, for legs shorter than
 // kMinPersonLeg_m or longer than kMaxPersonLeg_m, measured in the states: a given leg length does
-// not hide a wrong unit. `report`: of the file.
+// not hide a wrong unit. OK for a set without legs. `report`: of the file.
 absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
                            const SourceReport& report);
 

@@ -265,6 +265,10 @@ absl::StatusOr<ClipRecord> ReplaceClip(Connection& connection, const ClipRecord&
     return absl::AbortedError(fmt::format("{} was deleted or replaced by another call: try again",
                                           DescribeClip(before.database, before.id)));
   }
+  // So that a model that uses it is not extended by a second clip with this id. RemoveClip updates
+  // the checksum.
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.Query("UPDATE clip SET representation_version = 0 WHERE clip_key = ?", key).Run());
   MOTIONDB_RETURN_IF_ERROR(RemoveClip(connection, before.database, before.id, remains).status());
   return InsertClip(connection, clip);
 }

@@ -94,7 +94,7 @@ class Reprocess(WithServer):
         clips = self.server.ask("list", database)
         self.assertEqual(len(clips), count)
         for clip in clips:
-            self.assertEqual(clip["representation_version"], 3)
+            self.assertEqual(clip["representation_version"], 4)
             self.assertEqual(clip["derive_error"], "")
         described = self.server.ask_one("describe", database)
         self.assertEqual(described["clip_count"], count)

@@ -226,7 +226,7 @@ class TextTest(programs.WithServer):
             files.append(self.path(f"clip{seed}.bvh"))
             write_bvh(files[-1], seed=seed, frames=600)
         client = subprocess.Popen(
-            [programs.MOTIONDB, "--server", self.server.address, "ingest", "d", *files],
+            [programs.MOTIONDB, "--server", self.server.address, "ingest", "d", "--verbose", *files],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.assertIn("clip10", client.stdout.readline())
         self.server.process.send_signal(signal.SIGTERM)

@@ -158,11 +158,11 @@ void TestReplacedClips(StoreUnderTest& store) {
   // The same file with other conventions: fewer, different states on another skeleton.
   NewClip next = SampleClip("d", "walk", 1);
   next.record.given.metres_per_unit = 0.02;
-  next.record.leg_length_m = 1.1;
   next.record.label = "march";
   next.record.create_time_us += 5;
   next.record.frame_count = 50;
   next.states = SampleStates(50, 7);
+  next.record.leg_length_m = next.states.leg_length_m = 1.1;
   next.skeleton = SampleSkeleton("human", 0.5);
   const auto check_run_is_unchanged = [&] {
     REQUIRE(Same(Require(store->GetClip("d", "run")), run_record));
@@ -226,10 +226,21 @@ void TestReplacedClips(StoreUnderTest& store) {
     REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), former));
     const auto staleness = Require(store->FindModelStaleness("d"));
     REQUIRE(staleness.removed == 1);
+    REQUIRE(staleness.outdated == 1);  // the model is not extended by a second clip with this id
     REQUIRE(staleness.missing == std::vector<std::string>{"walk"});
     REQUIRE_OK(store->PutModel("d", SampleModel({run, next})));
     REQUIRE(Require(store->FindModelStaleness("d")).empty());
     REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), SampleModel({run, next})));
+  }
+  SECTION("a build that began before keeps the old clip, even if only its size changes") {
+    const NewClip walk = SampleClip("d", "walk", 1);
+    const core::Model built = SampleModel({run, walk});
+    NewClip taller = walk;
+    taller.record.leg_length_m = taller.states.leg_length_m = 0.95;
+    REQUIRE_OK(store->ReplaceClip(old, taller));
+    REQUIRE_OK(store->PutModel("d", built));
+    REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), built));
+    REQUIRE(Require(store->FindModelStaleness("d")).missing == std::vector<std::string>{"walk"});
   }
   SECTION("a clip that was deleted since it was listed is not replaced") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
@@ -294,7 +305,7 @@ void TestDerivedClips(StoreUnderTest& store) {
   storage::DerivedClip derived{.record = Tried(old_walk), .states = SampleStates(50, 7)};
   derived.record.frame_count = 50;
   derived.record.duration_seconds = 1;
-  derived.record.leg_length_m = 0.8;
+  derived.record.leg_length_m = derived.states->leg_length_m = 0.8;
   derived.record.source_report = "another";
   const storage::DerivedClip same{.record = Tried(old_run)};
 
@@ -343,6 +354,7 @@ void TestDerivedClips(StoreUnderTest& store) {
   SECTION("a model keeps the states that it was built from, also after the clip is deleted") {
     // One number of the states changes.
     derived.states = walk.states;
+    derived.states->leg_length_m = derived.record.leg_length_m;
     derived.states->states(3, 4) += 1;
     derived.record.frame_count = old_walk.frame_count;
     REQUIRE_OK(store->PutDerived("d", Derived{derived, same}));

@@ -165,7 +165,11 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::ReplaceClip(const ClipRecord& be
   const Database unchanged = *in;
   MOTIONDB_RETURN_IF_ERROR(DeleteClip(before.database, before.id, {}).status());
   auto added = AddClip(clip);
-  if (!added.ok()) *in = unchanged;
+  if (!added.ok()) {
+    *in = unchanged;
+  } else if (in->model) {
+    in->replaced.insert(before.id);
+  }
   return added;
 }
 

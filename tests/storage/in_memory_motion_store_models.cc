@@ -16,7 +16,9 @@ namespace motiondb::tests {
 
 bool InMemoryMotionStore::IsOf(const storage::NewClip& stored, const core::Model& model,
                                const core::ModelClip& clip) {
-  return stored.record.id == clip.id && stored.record.frame_count == clip.frame_count &&
+  return stored.record.id == clip.id && stored.record.label == clip.label &&
+         stored.record.frame_count == clip.frame_count &&
+         stored.record.leg_length_m == clip.leg_length_m &&
          stored.states.root_path ==
              model.root_path().middleRows(clip.first_frame, clip.frame_count);
 }

@@ -1,4 +1,5 @@
 #include "core/kinematics/marker_kinematics.h"
+#include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
 #include "server/engine/plan_query.h"
 
@@ -73,6 +74,7 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
     body = BodyOfClip(start_clip, query.engine(), database);
   }
   if (!body.ok()) return body;
+  body->scheme = scheme;
   if (body->skeleton == nullptr) {
     if (!request.with_files) return body;
     return core::WithReason(
@@ -89,7 +91,13 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
         field, "expected at most {} joints of {} degrees of freedom in all, got {} of {}",
         kMaxJoints, kMaxDofs, body->skeleton->joint_count(), body->skeleton->dof_count());
   }
-  const absl::Status fits = core::MarkerKinematics::Create(scheme, body->skeleton).status();
+  // As clips of the skeleton are mapped.
+  const core::JointMotion still{body->skeleton, 1,
+                                core::JointMatrix::Zero(1, body->skeleton->dof_count())};
+  auto fitted = core::FitScheme(scheme, still, core::FitFor::kClip);
+  if (!fitted.ok()) return AtField(field, fitted.status());
+  body->scheme = *std::move(fitted);
+  const absl::Status fits = core::MarkerKinematics::Create(body->scheme, body->skeleton).status();
   if (!fits.ok()) return AtField(field, fits);
   return body;
 }

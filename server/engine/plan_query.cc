@@ -59,8 +59,8 @@ absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& 
   const std::string start_clip =
       problem.start.clip ? problem.start.clip->clip
                          : clips[query.model().clip_of_frame(origins->front().frame)].id;
-  MOTIONDB_ASSIGN_OR_RETURN(plan.scheme, query.database()->scheme());
-  MOTIONDB_ASSIGN_OR_RETURN(plan.body, FindBody(query, request, start_clip, *plan.scheme));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, query.database()->scheme());
+  MOTIONDB_ASSIGN_OR_RETURN(plan.body, FindBody(query, request, start_clip, *scheme));
   problem.skeleton = plan.body.skeleton;
   problem.flat_soles = plan.body.is_robot;
   return plan;
@@ -75,8 +75,8 @@ absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& reque
                                   .time_up = [&] { return clock.time_up(); },
                                   .search_over = [&] { clock.EndSearch(); }};
   PlanResult result;
-  MOTIONDB_ASSIGN_OR_RETURN(result.answer,
-                            core::PlanMotion(query.model(), *plan.scheme, plan.problem, control));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      result.answer, core::PlanMotion(query.model(), plan.body.scheme, plan.problem, control));
   MOTIONDB_RETURN_IF_ERROR(
       WithLimits(terms.Reserve(BytesOfPlan(result.answer, request.with_files))));
   result.body = std::move(plan.body);

@@ -32,6 +32,7 @@ struct PlanRequest {
 
 struct PlanBody {
   std::shared_ptr<const core::Skeleton> skeleton;  // null: bare markers
+  core::MarkerScheme scheme;                       // the database's, with a mapping of the skeleton
   std::string skeleton_id;                         // empty: not stored
   bool is_robot = false;
   std::vector<core::MimicJoint> mimics;  // of a robot
@@ -40,7 +41,6 @@ struct PlanBody {
 // Input of core's search.
 struct PreparedPlan {
   core::PlanProblem problem;
-  std::shared_ptr<const core::MarkerScheme> scheme;
   PlanBody body;
 };
 

@@ -15,7 +15,7 @@ files=("$@")
 if [ ${#files[@]} = 0 ]; then
   # By commit; uncommitted changes first.
   mapfile -t files < <({ git diff --name-only HEAD; git log --name-only --pretty=format: ; } |
-    awk '/^(core|storage|server|client|text)\/.*\.cc$/ && !seen[$0]++' |
+    awk '/^(core|import|storage|server|client|text)\/.*\.cc$/ && !seen[$0]++' |
     while read -r file; do [ ! -f "$file" ] || echo "$file"; done | awk -v most="$count" 'NR <= most')
 fi
 [ ${#files[@]} -gt 0 ] || { echo "tidy: found no sources" >&2; exit 1; }

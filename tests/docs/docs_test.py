@@ -18,7 +18,7 @@ ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 MODELS = "/usr/share/assimp/models/BVH"
 PAGES = ["README.md"] + sorted(os.path.relpath(path, ROOT) for path in glob.glob(f"{ROOT}/docs/*.md"))
 GENERATED = "docs/command_line.md"
-SOURCES = ("core", "storage", "server", "client", "text", "tests", "proto", "deploy")
+SOURCES = ("core", "import", "storage", "server", "client", "text", "tests", "proto", "deploy")
 # A block of code, with an optional comment before it that states why it is not run.
 BLOCK = re.compile(r"(?:^<!-- not run: (?P<reason>[^\n]+) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$",
                    re.MULTILINE | re.DOTALL)

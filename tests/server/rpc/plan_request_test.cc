@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "motiondb/v1/clip.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
 #include "tests/server/rpc/plan_support.h"
+#include "tests/support/humanoid_bvh.h"
 
 namespace motiondb::tests::plan_request_test {
 namespace {
@@ -220,6 +222,29 @@ TEST_CASE("Plan: plays with a robot at its own size", "[server][rpc][plan]") {
   CHECK(ViolatedFields(unlike) == "robot.urdf");
   request.mutable_robot()->clear_file_name();
   CHECK(ViolatedFields(AskPlan(PlanServer(), request).status) == "robot.file_name");
+}
+
+TEST_CASE("Plan: on a skeleton that no mapping of the database knows", "[server][rpc][plan]") {
+  TestServer server;
+  const auto databases = server.NewStub<v1::DatabaseService>();
+  v1::CreateDatabaseRequest create;
+  create.set_database_id("db");
+  REQUIRE(Ask(*databases, &v1::DatabaseService::Stub::CreateDatabase, create).status.ok());
+  v1::IngestClipHeader header;
+  header.set_parent("databases/db");
+  header.set_file_name("swing.bvh");
+  v1::IngestClipResponse ingested;
+  REQUIRE(server.Ingest(header, HumanoidBvh(100, 90), &ingested).ok());
+  CHECK_THAT(ingested.clip().source_report(), Contains("joints mapped automatically"));
+  server.Wait(ingested.operation().name());
+  v1::PlanRequest request = WalkAhead();
+  request.clear_start();
+  request.mutable_goal()->set_x_m(0);
+  const auto answer = AskPlan(server, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  CHECK(answer.response.skeleton() == ingested.clip().skeleton());
+  CHECK(answer.response.leg_length_m() == Approx(0.82).margin(0.01));
 }
 
 TEST_CASE("Plan: without a skeleton there are markers, but no files", "[server][rpc][plan]") {

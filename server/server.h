@@ -69,8 +69,6 @@ class Server {
   std::string address_;
 };
 
-class IdleTimer;
-
 // Updates gRPC's health service every second, on the thread of urgent changes. While the store
 // refuses additions (disk full or failing), the server as a whole and the services that add data
 // are NOT_SERVING. Read-only services stay SERVING.

@@ -2,30 +2,18 @@
 
 #include <fmt/chrono.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
 #include <openssl/x509.h>
 
 #include <algorithm>
 #include <ctime>
 #include <limits>
-#include <memory>
 
 #include "core/motion/error.h"
 #include "server/security/operator_file.h"
+#include "server/security/pem.h"
 
 namespace motiondb::server {
 namespace {
-
-using Memory = std::unique_ptr<BIO, decltype(&BIO_free)>;
-using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
-using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
-
-Memory MemoryOf(const std::string& text) {
-  return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
-}
-
-// Without this callback OpenSSL asks for the passphrase of an encrypted key at the terminal.
-int NoPassphrase(char*, int, int, void*) { return -1; }
 
 std::string DateOf(const ASN1_TIME* time) {
   std::tm parts{};
@@ -33,18 +21,12 @@ std::string DateOf(const ASN1_TIME* time) {
                                             : "an invalid date";
 }
 
-Certificate NextIn(BIO& memory) {
-  Certificate certificate(PEM_read_bio_X509(&memory, nullptr, NoPassphrase, nullptr), X509_free);
-  ERR_clear_error();
-  return certificate;
-}
-
 // Returns the earliest expiry, Unix time in s, of the certificates in `text`. REQUIRES: at least
 // one certificate has a valid date.
 std::int64_t FirstEndIn(const std::string& text) {
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
-  const Memory memory = MemoryOf(text);
-  while (const Certificate certificate = NextIn(*memory)) {
+  const PemText memory = ReadPem(text);
+  while (const Certificate certificate = NextCertificate(*memory)) {
     std::tm parts{};
     if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate.get()), &parts) != 1) continue;
     first = std::min<std::int64_t>(first, timegm(&parts));
@@ -53,8 +35,8 @@ std::int64_t FirstEndIn(const std::string& text) {
 }
 
 absl::StatusOr<Certificate> CertificateIn(const std::string& path, const std::string& text) {
-  const Memory memory = MemoryOf(text);
-  Certificate certificate = NextIn(*memory);
+  const PemText memory = ReadPem(text);
+  Certificate certificate = NextCertificate(*memory);
   if (certificate == nullptr) {
     return core::InvalidArgument("{}: expected a certificate in PEM", path);
   }
@@ -67,9 +49,8 @@ absl::StatusOr<Certificate> CertificateIn(const std::string& path, const std::st
 }
 
 absl::StatusOr<Key> KeyIn(const std::string& path, const std::string& text) {
-  const Memory memory = MemoryOf(text);
-  Key key(PEM_read_bio_PrivateKey(memory.get(), nullptr, NoPassphrase, nullptr), EVP_PKEY_free);
-  ERR_clear_error();
+  const PemText memory = ReadPem(text);
+  Key key = PrivateKey(*memory);
   if (key == nullptr) {
     return core::InvalidArgument("{}: expected a private key in PEM, without a passphrase", path);
   }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/security/pem.h"
 
 namespace motiondb::server {
 
@@ -55,21 +56,6 @@ void FileReloader::Look() {
 
 namespace {
 
-using Memory = std::unique_ptr<BIO, decltype(&BIO_free)>;
-using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
-using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
-
-Memory MemoryOf(const std::string& text) {
-  return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
-}
-
-// Returns null if there are no more certificates.
-Certificate NextIn(BIO& memory) {
-  Certificate certificate(PEM_read_bio_X509(&memory, nullptr, nullptr, nullptr), X509_free);
-  ERR_clear_error();
-  return certificate;
-}
-
 // Selects HTTP/2, the only protocol of the server. OpenSSL does not call this for a client without
 // ALPN; the server assumes HTTP/2 then.
 int ChooseProtocol(SSL*, const unsigned char** chosen, unsigned char* size,
@@ -85,12 +71,12 @@ int ChooseProtocol(SSL*, const unsigned char** chosen, unsigned char* size,
 }
 
 bool UsePair(SSL_CTX& context, const TlsContents& texts) {
-  const Memory chain = MemoryOf(texts.certificate);
-  const Certificate own = NextIn(*chain);
-  const Memory key_text = MemoryOf(texts.key);
-  const Key key(PEM_read_bio_PrivateKey(key_text.get(), nullptr, nullptr, nullptr), EVP_PKEY_free);
+  const PemText chain = ReadPem(texts.certificate);
+  const Certificate own = NextCertificate(*chain);
+  const PemText key_text = ReadPem(texts.key);
+  const Key key = PrivateKey(*key_text);
   if (own == nullptr || SSL_CTX_use_certificate(&context, own.get()) != 1) return false;
-  while (Certificate intermediate = NextIn(*chain)) {
+  while (Certificate intermediate = NextCertificate(*chain)) {
     if (SSL_CTX_add1_chain_cert(&context, intermediate.get()) != 1) return false;
   }
   return SSL_CTX_use_PrivateKey(&context, key.get()) == 1 &&
@@ -98,8 +84,8 @@ bool UsePair(SSL_CTX& context, const TlsContents& texts) {
 }
 
 bool RequireClients(SSL_CTX& context, const std::string& authorities) {
-  const Memory memory = MemoryOf(authorities);
-  while (const Certificate authority = NextIn(*memory)) {
+  const PemText memory = ReadPem(authorities);
+  while (const Certificate authority = NextCertificate(*memory)) {
     if (X509_STORE_add_cert(SSL_CTX_get_cert_store(&context), authority.get()) != 1 ||
         SSL_CTX_add_client_CA(&context, authority.get()) != 1) {
       return false;

@@ -23,7 +23,7 @@ finish() {
 }
 trap finish EXIT
 cmake --preset release -DMOTIONDB_BUILD_TESTS=OFF -B build/quickstart >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
-cmake --build build/quickstart --target motiondb motiondbd  # prints the progress
+cmake --build build/quickstart --target motiondb motiondbd motiondb-import  # prints the progress
 PATH="$PWD/build/quickstart/client/cli:$PWD/build/quickstart/server:$PATH"
 
 # keep FILE FROM TO OUT: writes the frames of a BVH file between two fractions (0 to 1) of its

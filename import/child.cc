@@ -1,5 +1,6 @@
 #include "import/child.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -9,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <new>
 #include <string_view>
 #include <utility>
@@ -31,21 +33,31 @@ bool WriteAll(int descriptor, std::string_view text) {
   return true;
 }
 
+// Closes everything inherited but `output`, which becomes kOutputDescriptor: the terminal, the
+// parent's requests and answers, and the pipes of other children.
+bool KeepOnly(int output) {
+  const int nothing = open("/dev/null", O_RDWR);
+  if (nothing < 0 || dup2(output, kOutputDescriptor) < 0) return false;
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (dup2(nothing, standard) < 0) return false;
+  }
+  return close_range(kOutputDescriptor + 1, ~0U, 0) == 0;
+}
+
 [[noreturn]] void RunChild(const std::function<std::string()>& work, const SandboxLimits& limits,
-                           bool is_sandboxed, int descriptor) {
+                           bool is_sandboxed, int output) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   // Handlers of the parent would make other system calls.
   for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV}) signal(fatal, SIG_DFL);
-  close(STDIN_FILENO);  // the parent's requests and answers
-  close(STDOUT_FILENO);
+  if (!KeepOnly(output)) _exit(kNoSandbox);
   if (is_sandboxed) {
     if (const absl::Status entered = EnterSandbox(limits); !entered.ok()) {
-      WriteAll(descriptor, std::string(entered.message()));
+      WriteAll(kOutputDescriptor, std::string(entered.message()));
       _exit(kNoSandbox);
     }
   }
   try {
-    _exit(WriteAll(descriptor, work()) ? 0 : kNotWritten);
+    _exit(WriteAll(kOutputDescriptor, work()) ? 0 : kNotWritten);
   } catch (const std::bad_alloc&) {
     _exit(kOutOfMemory);
   }
@@ -65,7 +77,8 @@ Child::Child(Child&& other) noexcept
       descriptor_(std::exchange(other.descriptor_, -1)),
       limits_(other.limits_),
       deadline_(other.deadline_),
-      output_(std::move(other.output_)) {}
+      output_(std::move(other.output_)),
+      was_killed_(other.was_killed_) {}
 
 Child::~Child() {
   if (descriptor_ >= 0) close(descriptor_);
@@ -78,14 +91,14 @@ absl::StatusOr<Child> Child::Start(const std::function<std::string()>& work,
                                    const SandboxLimits& limits, bool is_sandboxed) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) {
-    return absl::InternalError(fmt::format("no pipe: {}", std::strerror(errno)));
+    return absl::UnavailableError(fmt::format("no pipe: {}", std::strerror(errno)));
   }
   const pid_t process = fork();
   if (process < 0) {
     const int error = errno;
     close(ends[0]);
     close(ends[1]);
-    return absl::InternalError(fmt::format("no process: {}", std::strerror(error)));
+    return absl::UnavailableError(fmt::format("no process: {}", std::strerror(error)));
   }
   if (process == 0) {
     close(ends[0]);
@@ -95,47 +108,73 @@ absl::StatusOr<Child> Child::Start(const std::function<std::string()>& work,
   return Child(process, ends[0], limits);
 }
 
-bool Child::Read() {
+bool Child::Step(bool is_readable) {
+  if (IsOverdue()) return true;
+  if (!is_readable) return false;
   std::array<char, 1 << 16> block;
   const ssize_t count = read(descriptor_, block.data(), block.size());
-  if (count < 0 && errno == EINTR) return true;
-  if (count <= 0) return false;
+  if (count < 0 && errno == EINTR) return false;
+  if (count <= 0) return true;
   output_.append(block.data(), static_cast<std::size_t>(count));
-  return true;
+  return output_.size() > kMaxResultBytes;
+}
+
+int Child::AwaitEnd() {
+  constexpr timespec kPause{0, 2'000'000};
+  int status = 0;
+  // It has usually ended. One that only closes its output is not waited for longer than others.
+  while (!was_killed_) {
+    const pid_t ended = waitpid(process_, &status, WNOHANG);
+    if (ended == process_) return status;
+    if (ended < 0 && errno != EINTR) break;
+    if (IsOverdue() || output_.size() > kMaxResultBytes) {
+      kill(process_, SIGKILL);
+      was_killed_ = true;
+    } else {
+      nanosleep(&kPause, nullptr);
+    }
+  }
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
 }
 
 absl::StatusOr<std::string> Child::Finish() {
-  const bool is_overdue = IsOverdue();
-  if (is_overdue) kill(process_, SIGKILL);
-  int status = 0;
-  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = AwaitEnd();
   process_ = -1;
-  const auto out_of_memory = [&] {
+  if (output_.size() > kMaxResultBytes) {
     return absl::ResourceExhaustedError(
-        fmt::format("reading needs more than {} MiB of memory", limits_.memory_bytes >> 20));
-  };
+        fmt::format("the result is larger than {} MiB", kMaxResultBytes >> 20));
+  }
+  if (was_killed_) {
+    return absl::ResourceExhaustedError(
+        fmt::format("reading takes longer than {} s", 2 * limits_.cpu_seconds));
+  }
   if (WIFEXITED(status)) {
     switch (WEXITSTATUS(status)) {
       case 0:
         return std::move(output_);
       case kOutOfMemory:
-        return out_of_memory();
+        return absl::ResourceExhaustedError(
+            fmt::format("reading needs more than {} MiB of memory", limits_.memory_bytes >> 20));
       case kNoSandbox:
-        return absl::InternalError(fmt::format("no sandbox: {}", output_));
+        return absl::UnavailableError(fmt::format("no sandbox: {}", output_));
       default:
         return absl::InternalError(
             fmt::format("the reader failed with exit code {}", WEXITSTATUS(status)));
     }
   }
-  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (is_overdue || signal == SIGXCPU || signal == SIGKILL) {
-    return absl::ResourceExhaustedError(
-        fmt::format("reading takes longer than {} s", limits_.cpu_seconds));
+  switch (const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0) {
+    case SIGXCPU:
+      return absl::ResourceExhaustedError(
+          fmt::format("reading needs more than {} s of processor time", limits_.cpu_seconds));
+    case SIGKILL:
+      return absl::ResourceExhaustedError("the reader was killed, perhaps for lack of memory");
+    case SIGSYS:
+      return absl::InternalError("the reader made a forbidden system call");
+    default:
+      return absl::InternalError(fmt::format("the reader crashed: {}", strsignal(signal)));
   }
-  if (signal == SIGSYS) return absl::InternalError("the reader made a forbidden system call");
-  return absl::InternalError(
-      fmt::format("the reader crashed: {}", signal != 0 ? strsignal(signal) : "unknown reason"));
 }
 
 }  // namespace motiondb::importer

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -16,8 +17,8 @@ namespace motiondb::importer {
 class Child {
  public:
   // Forks. The child enters the sandbox, writes the result of `work` and exits. `is_sandboxed`
-  // false: without sandbox, for debugging. INTERNAL if there is no process. REQUIRES: the calling
-  // process has one thread.
+  // false: without sandbox, for debugging. UNAVAILABLE if there is no process. REQUIRES: the
+  // calling process has one thread.
   static absl::StatusOr<Child> Start(const std::function<std::string()>& work,
                                      const SandboxLimits& limits, bool is_sandboxed);
 
@@ -25,24 +26,32 @@ class Child {
   Child& operator=(Child&&) = delete;
   ~Child();  // kills a running child
 
-  // File descriptor to poll for Read.
+  // File descriptor to poll for Step.
   int descriptor() const { return descriptor_; }
-  // Reads what is available. Returns false at the end.
-  bool Read();
-  bool IsOverdue() const { return std::chrono::steady_clock::now() > deadline_; }
-  // Waits for the end of the process, killing it if it is overdue, and returns its result.
-  // RESOURCE_EXHAUSTED: it exceeded its memory or time; INTERNAL: it crashed or made a forbidden
-  // system call.
+  // Reads what is available; `is_readable`: as polled. Returns true when the child has ended, has
+  // closed its output, has written too much or is overdue: then call Finish.
+  bool Step(bool is_readable);
+  // Waits for the end of the process, at most until its deadline, and returns its result.
+  // RESOURCE_EXHAUSTED: too much memory, time or output; INTERNAL: it crashed or made a forbidden
+  // system call; UNAVAILABLE: it had no sandbox.
   absl::StatusOr<std::string> Finish();
 
  private:
   Child(pid_t process, int descriptor, const SandboxLimits& limits);
+
+  bool IsOverdue() const { return std::chrono::steady_clock::now() > deadline_; }
+  // Returns the status of waitpid; kills the process at the deadline.
+  int AwaitEnd();
 
   pid_t process_ = -1;
   int descriptor_ = -1;
   SandboxLimits limits_;
   std::chrono::steady_clock::time_point deadline_;
   std::string output_;
+  bool was_killed_ = false;
 };
+
+// Maximum size of a result: a file has at most 2,000 joints or 65,535 markers.
+inline constexpr std::size_t kMaxResultBytes = std::size_t{32} << 20;
 
 }  // namespace motiondb::importer

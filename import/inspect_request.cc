@@ -56,6 +56,7 @@ Json ResultJson(const core::Inspection& inspection) {
           {"reader_notes", report.notes},
           {"notes", inspection.notes},
           {"problems", inspection.problems},
+          {"suggested_options", inspection.suggested_options},
           {"points", PointsJson(inspection)},
           {"mapping_file", inspection.mapping_file}};
 }
@@ -84,15 +85,19 @@ absl::StatusOr<InspectRequest> ParseInspectRequest(std::string_view line) {
   }
 }
 
-std::string InspectionLine(int index, const std::string& file,
-                           const absl::StatusOr<core::Inspection>& inspection) {
-  Json line = {{"index", index}, {"file", file}};
-  if (inspection.ok()) {
-    line.update(ResultJson(*inspection));
-  } else {
-    line["error"] = std::string(inspection.status().message());
-  }
-  return line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+std::string InspectionJson(const absl::StatusOr<core::Inspection>& inspection) {
+  const Json result = inspection.ok() ? ResultJson(*inspection)
+                                      : Json{{"error", std::string(inspection.status().message())}};
+  return result.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string AnswerLine(int index, const std::string& file, const std::string& result) {
+  const bool is_object =
+      result.starts_with('{') && result.find('\n') == std::string::npos && Json::accept(result);
+  const Json name = file;
+  return fmt::format("{{\"index\":{},\"file\":{},\"result\":{}}}\n", index,
+                     name.dump(-1, ' ', false, Json::error_handler_t::replace),
+                     is_object ? result : R"({"error":"the reader gave no valid result"})");
 }
 
 }  // namespace motiondb::importer

@@ -21,8 +21,12 @@ struct InspectRequest {
 // INVALID_ARGUMENT says what is wrong with the line.
 absl::StatusOr<InspectRequest> ParseInspectRequest(std::string_view line);
 
-// Returns a line with the result, or the error, of the request with this index, from 0.
-std::string InspectionLine(int index, const std::string& file,
-                           const absl::StatusOr<core::Inspection>& inspection);
+// Returns the result, or the error, as a JSON object in one line.
+std::string InspectionJson(const absl::StatusOr<core::Inspection>& inspection);
+
+// Returns the answer to the request with this index, from 0: index, file and `result`, a JSON
+// object from a child process. A result that is no JSON object in one line becomes an error: a
+// child may be in the hands of its file.
+std::string AnswerLine(int index, const std::string& file, const std::string& result);
 
 }  // namespace motiondb::importer

@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 #include <seccomp.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <memory>
 
@@ -19,8 +18,8 @@ absl::Status SystemError(const char* what, int error) {
   return absl::InternalError(fmt::format("{}: {}", what, std::strerror(error)));
 }
 
-absl::Status Limit(int resource, rlim_t most) {
-  const rlimit limit{most, most};
+absl::Status Limit(int resource, rlim_t most, rlim_t kills_at) {
+  const rlimit limit{most, kills_at};
   if (setrlimit(static_cast<__rlimit_resource>(resource), &limit) == 0) return absl::OkStatus();
   return SystemError("setrlimit", errno);
 }
@@ -38,42 +37,59 @@ constexpr bool kHasSanitizer = false;
 constexpr bool kHasSanitizer = false;
 #endif
 
-absl::Status AllowOnlyComputing() {
-  // Memory, open files, time, signals of a failed assertion, and the end of the process.
-  constexpr std::array kAllowed = {
-      SCMP_SYS(brk),           SCMP_SYS(mmap),         SCMP_SYS(munmap),
-      SCMP_SYS(mremap),        SCMP_SYS(mprotect),     SCMP_SYS(madvise),
-      SCMP_SYS(read),          SCMP_SYS(pread64),      SCMP_SYS(write),
-      SCMP_SYS(writev),        SCMP_SYS(close),        SCMP_SYS(lseek),
-      SCMP_SYS(fstat),         SCMP_SYS(newfstatat),   SCMP_SYS(futex),
-      SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday), SCMP_SYS(getrandom),
-      SCMP_SYS(getpid),        SCMP_SYS(gettid),       SCMP_SYS(rt_sigprocmask),
-      SCMP_SYS(rt_sigaction),  SCMP_SYS(rt_sigreturn), SCMP_SYS(sigaltstack),
-      SCMP_SYS(sched_yield),   SCMP_SYS(exit),         SCMP_SYS(exit_group)};
-  const std::unique_ptr<void, decltype(&seccomp_release)> filter(
-      seccomp_init(SCMP_ACT_KILL_PROCESS), &seccomp_release);
-  if (filter == nullptr) return SystemError("seccomp_init", ENOMEM);
-  for (const int call : kAllowed) {
-    const int error = seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0);
-    if (error != 0) return SystemError("seccomp_rule_add", -error);
+class Filter {
+ public:
+  bool is_made() const { return filter_ != nullptr; }
+
+  template <typename... Conditions>
+  void Allow(int call, Conditions... conditions) {
+    const int error =
+        seccomp_rule_add(filter_.get(), SCMP_ACT_ALLOW, call, sizeof...(conditions), conditions...);
+    if (error_ == 0) error_ = error;
   }
+
+  absl::Status Load() {
+    if (error_ == 0) error_ = seccomp_load(filter_.get());
+    return error_ == 0 ? absl::OkStatus() : SystemError("seccomp", -error_);
+  }
+
+ private:
+  const std::unique_ptr<void, decltype(&seccomp_release)> filter_{
+      seccomp_init(SCMP_ACT_KILL_PROCESS), &seccomp_release};
+  int error_ = 0;
+};
+
+absl::Status AllowOnlyComputing() {
+  Filter filter;
+  if (!filter.is_made()) return SystemError("seccomp", ENOMEM);
+  // Memory, time, the signals of a failed assertion, and the end of the process.
+  for (const int call :
+       {SCMP_SYS(brk), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(futex),
+        SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday), SCMP_SYS(getrandom), SCMP_SYS(getpid),
+        SCMP_SYS(gettid), SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigreturn),
+        SCMP_SYS(sigaltstack), SCMP_SYS(sched_yield), SCMP_SYS(exit), SCMP_SYS(exit_group)}) {
+    filter.Allow(call);
+  }
+  filter.Allow(SCMP_SYS(mmap), SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+  filter.Allow(SCMP_SYS(mprotect), SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+  filter.Allow(SCMP_SYS(write), SCMP_A0(SCMP_CMP_EQ, kOutputDescriptor));
+  filter.Allow(SCMP_SYS(write), SCMP_A0(SCMP_CMP_EQ, STDERR_FILENO));
   // abort() signals its own process.
-  int error = seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
-                               SCMP_A0(SCMP_CMP_EQ, static_cast<scmp_datum_t>(getpid())));
-  if (error != 0) return SystemError("seccomp_rule_add", -error);
-  error = seccomp_load(filter.get());
-  return error == 0 ? absl::OkStatus() : SystemError("seccomp_load", -error);
+  filter.Allow(SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, static_cast<scmp_datum_t>(getpid())));
+  return filter.Load();
 }
 
 }  // namespace
 
 absl::Status EnterSandbox(const SandboxLimits& limits) {
   if (prctl(PR_SET_DUMPABLE, 0) != 0) return SystemError("prctl", errno);
-  absl::Status status = Limit(RLIMIT_CORE, 0);
-  if (status.ok()) status = Limit(RLIMIT_FSIZE, 0);
-  if (status.ok()) status = Limit(RLIMIT_CPU, static_cast<rlim_t>(limits.cpu_seconds));
+  absl::Status status = Limit(RLIMIT_CORE, 0, 0);
+  if (status.ok()) status = Limit(RLIMIT_FSIZE, 0, 0);
+  const auto seconds = static_cast<rlim_t>(limits.cpu_seconds);
+  if (status.ok()) status = Limit(RLIMIT_CPU, seconds, seconds + 1);
   if (kHasSanitizer || !status.ok()) return status;
-  status = Limit(RLIMIT_AS, static_cast<rlim_t>(limits.memory_bytes));
+  const auto bytes = static_cast<rlim_t>(limits.memory_bytes);
+  status = Limit(RLIMIT_AS, bytes, bytes);
   return status.ok() ? AllowOnlyComputing() : status;
 }
 

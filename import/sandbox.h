@@ -12,9 +12,13 @@ struct SandboxLimits {
   int cpu_seconds = 30;
 };
 
-// Restricts the calling process for the rest of its life: memory, processor time, no new files, and
-// only the system calls that computing, reading and writing open files need. A forbidden call kills
-// the process (SIGSYS). The caller must be single-threaded. INTERNAL if the kernel refuses.
+// The only file that a process in the sandbox can write, besides standard error.
+inline constexpr int kOutputDescriptor = 3;
+
+// Restricts the calling process for the rest of its life: memory, processor time, no file but
+// kOutputDescriptor and standard error, no new executable memory, and only the system calls that
+// computing needs. A forbidden call kills the process (SIGSYS). Too much processor time ends it by
+// SIGXCPU. The caller must be single-threaded. INTERNAL if the kernel refuses.
 absl::Status EnterSandbox(const SandboxLimits& limits);
 
 }  // namespace motiondb::importer

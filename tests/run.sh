@@ -40,6 +40,6 @@ if [ ${#tests[@]} = 0 ]; then
   cmake --build --preset "$preset"
 else
   cmake --build --preset "$preset" --target "${tests[@]}"
-  set -- -R "^($(IFS='|'; echo "${tests[*]}"))\$" "$@"
+  set -- -R "^($(IFS='|'; echo "${tests[*]}"))(_part[0-9]+)?\$" "$@"
 fi
 ctest --test-dir "build/$preset" --no-tests=error --output-on-failure --timeout "$timeout" --parallel "$(nproc)" "$@"

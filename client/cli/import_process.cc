@@ -52,21 +52,27 @@ void WriteLines(int& descriptor, const std::vector<std::string>& lines) {
   Pipe::Close(descriptor);
 }
 
-void ReadLines(int descriptor, const std::function<void(std::string_view)>& on_line) {
+absl::Status ReadLines(int descriptor,
+                       const std::function<absl::Status(std::string_view)>& on_line) {
+  constexpr std::size_t kMaxLineBytes = std::size_t{64} << 20;
   std::string text;
   std::array<char, 1 << 16> block;
   while (true) {
     const ssize_t count = read(descriptor, block.data(), block.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return;
+    if (count <= 0) return absl::OkStatus();
     std::size_t searched = text.size();
     text.append(block.data(), static_cast<std::size_t>(count));
     std::size_t begin = 0;
     for (std::size_t end; (end = text.find('\n', searched)) != std::string::npos;) {
-      on_line(std::string_view(text).substr(begin, end - begin));
+      const absl::Status status = on_line(std::string_view(text).substr(begin, end - begin));
+      if (!status.ok()) return status;
       begin = searched = end + 1;
     }
     text.erase(0, begin);
+    if (text.size() > kMaxLineBytes) {
+      return absl::DataLossError(fmt::format("{}: an answer is too long", kProgram));
+    }
   }
 }
 
@@ -82,9 +88,18 @@ absl::StatusOr<pid_t> Spawn(const std::filesystem::path& program,
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  // It ends with this program, which ignores SIGPIPE.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGPIPE);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t process = -1;
   const int error =
-      posix_spawn(&process, program.c_str(), &actions, nullptr, pointers.data(), environ);
+      posix_spawn(&process, program.c_str(), &actions, &attributes, pointers.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) return NotStarted(error);
   return process;
@@ -96,10 +111,15 @@ absl::StatusOr<std::filesystem::path> FindImportProgram() {
   namespace fs = std::filesystem;
   if (const char* const given = std::getenv("MOTIONDB_IMPORT")) return fs::path(given);
   std::error_code error;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const char* const place : {"", "../libexec/motiondb", "../../import"}) {
-    const fs::path program = folder / place / kProgram;
-    if (fs::exists(program, error)) return program;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) return absl::NotFoundError(fmt::format("{}: set MOTIONDB_IMPORT", kProgram));
+  const fs::path folder = self.parent_path();
+  std::vector<fs::path> places = {folder, folder / "../libexec/motiondb"};
+  const bool is_build_folder =
+      folder.filename() == "cli" && folder.parent_path().filename() == "client";
+  if (is_build_folder) places.push_back(folder / "../../import");
+  for (const fs::path& place : places) {
+    if (fs::exists(place / kProgram, error)) return place / kProgram;
   }
   return absl::NotFoundError(fmt::format(
       "{} is neither beside motiondb, in {}, nor set in MOTIONDB_IMPORT: install it again",
@@ -108,7 +128,7 @@ absl::StatusOr<std::filesystem::path> FindImportProgram() {
 
 absl::Status RunImportProgram(const std::vector<std::string>& arguments,
                               const std::vector<std::string>& lines,
-                              const std::function<void(std::string_view)>& on_line) {
+                              const std::function<absl::Status(std::string_view)>& on_line) {
   const auto program = FindImportProgram();
   if (!program.ok()) return program.status();
   Pipe input;
@@ -119,13 +139,18 @@ absl::Status RunImportProgram(const std::vector<std::string>& arguments,
   if (!process.ok()) return process.status();
   Pipe::Close(input.ends[0]);
   Pipe::Close(output.ends[1]);
-  std::thread writer([&] { WriteLines(input.ends[1], lines); });
-  ReadLines(output.ends[0], on_line);
-  writer.join();
-  int status = 0;
-  while (waitpid(*process, &status, 0) < 0 && errno == EINTR) {
+  absl::Status status;
+  {
+    const std::jthread writer([&] { WriteLines(input.ends[1], lines); });
+    status = ReadLines(output.ends[0], on_line);
+    Pipe::Close(output.ends[0]);  // ends the program if it has more answers
+    if (!status.ok()) kill(*process, SIGTERM);
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return absl::OkStatus();
+  int ended = 0;
+  while (waitpid(*process, &ended, 0) < 0 && errno == EINTR) {
+  }
+  if (!status.ok()) return status;
+  if (WIFEXITED(ended) && WEXITSTATUS(ended) == 0) return absl::OkStatus();
   return absl::UnavailableError(fmt::format("{} failed", program->string()));
 }
 

@@ -71,6 +71,7 @@ void DeclareClips(CLI::App& command, IngestOptions& options) {
 void Declare(CLI::App& command, IngestOptions& options) {
   DeclareClips(command, options);
   AddSourceOptions(command, options.source);
+  AddForceOption(command, options.source);
   command.add_flag("--replace", options.replace,
                    "Replace the stored clip of the same motion, for example to correct its unit; "
                    "id, label and subject are kept unless given");

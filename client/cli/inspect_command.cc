@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "client/cli/clip_files.h"
 #include "client/cli/command.h"
@@ -18,6 +19,7 @@
 #include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/output_file.h"
+#include "text/utf8.h"
 
 namespace motiondb::client {
 namespace {
@@ -44,7 +46,6 @@ void Declare(CLI::App& command, InspectOptions& options) {
                   "mapping add`")
       ->type_name("FILE");
   AddSourceOptions(command, options.source);
-  command.remove_option(command.get_option("--force"));
   command.footer(
       "Needs no server. With one file, prints its joints or markers with their body parts; with\n"
       "several, a line for each. The exit status is 1 if ingest would reject a file.");
@@ -52,6 +53,9 @@ void Declare(CLI::App& command, InspectOptions& options) {
 
 absl::StatusOr<std::string> RequestLine(const std::filesystem::path& file,
                                         const SourceOptions& source) {
+  if (!text::IsUtf8(file.string())) {
+    return absl::InvalidArgumentError("the name is not UTF-8 text");
+  }
   Json request = {{"file", file.string()}};
   const auto skeleton = SkeletonFor(file, source.skeleton);
   if (!skeleton.ok()) return skeleton.status();
@@ -77,23 +81,18 @@ class Inspections {
         requests.push_back(*std::move(request));
         index_of_request_.push_back(i);
       } else {
-        Arrived(i,
-                {{"file", files_[i].string()}, {"error", std::string(request.status().message())}});
+        Arrived(i, {{"error", std::string(request.status().message())}});
       }
     }
-    absl::Status status = absl::OkStatus();
-    const absl::Status ran = RunImportProgram({"inspect"}, requests, [&](std::string_view line) {
-      Json answer = Json::parse(line, nullptr, false);
-      const auto request = answer.is_object() ? answer.value("index", -1) : -1;
-      if (request < 0 || request >= static_cast<int>(index_of_request_.size())) {
-        status = absl::DataLossError("motiondb-import: unreadable answer");
-        return;
-      }
-      Arrived(index_of_request_[static_cast<std::size_t>(request)], std::move(answer));
-    });
+    const absl::Status ran = RunImportProgram(
+        {"inspect"}, requests, [this](std::string_view line) { return TakeAnswer(line); });
     progress_.Clear();
     if (!ran.ok()) return ran;
-    return status.ok() ? written_ : status;
+    if (printed_ < files_.size()) {
+      return absl::DataLossError(fmt::format("motiondb-import answered for {} of {}", printed_,
+                                             CountText(std::ssize(files_), "file")));
+    }
+    return written_;
   }
 
   // Prints the summary of several files. An error if a file was rejected.
@@ -111,6 +110,30 @@ class Inspections {
   }
 
  private:
+  absl::Status TakeAnswer(std::string_view line) {
+    try {
+      Json answer = ParseAnswer(line);
+      const auto request = answer.at("index").get<std::size_t>();
+      const std::size_t index = index_of_request_.at(request);
+      if (index < printed_ || waiting_.contains(index)) throw std::out_of_range("answered twice");
+      Arrived(index, std::move(answer.at("result")));
+      return absl::OkStatus();
+    } catch (const std::exception& error) {
+      return absl::DataLossError(
+          fmt::format("motiondb-import: an invalid answer: {}", error.what()));
+    }
+  }
+
+  // Throws for invalid JSON, and for deep nesting, which functions of the library cannot print.
+  static Json ParseAnswer(std::string_view line) {
+    constexpr int kMaxDepth = 8;
+    const auto check = [](int depth, Json::parse_event_t, Json&) {
+      if (depth > kMaxDepth) throw std::out_of_range("nested too deeply");
+      return true;
+    };
+    return Json::parse(line, check);
+  }
+
   void Arrived(std::size_t index, Json answer) {
     waiting_.emplace(index, std::move(answer));
     for (auto next = waiting_.begin(); next != waiting_.end() && next->first == printed_;
@@ -126,10 +149,10 @@ class Inspections {
   }
 
   void Print(Json& answer) {
+    answer["file"] = files_[printed_].string();
     const bool is_accepted = IsAccepted(answer);
     if (!is_accepted) failures_.push_back(FailureOf(files_[printed_], RejectionText(answer)));
     if (is_json_) {
-      answer.erase("index");
       PrintText(answer.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
     } else if (files_.size() == 1) {
       PrintText(InspectionText(answer));

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
 #include "client/cli/print.h"
@@ -17,20 +19,13 @@ std::string NumberText(const Json& value, const char* unit) {
   return fmt::format("{:.3g} {}", value.get<double>(), unit);
 }
 
-// Appends the point and, below it, its children.
-void AppendPointTree(const Json& points, const std::vector<std::vector<int>>& children, int point,
-                     int depth, Table& table) {
-  constexpr int kMaxDepth = 40;
-  const Json& shown = points[point];
-  const std::string role = shown.value("role", "");
-  const double missing = shown.value("missing_fraction", 0.0);
-  table.AddRow({std::string(2 * static_cast<std::size_t>(std::min(depth, kMaxDepth)), ' ') +
-                    shown.value("name", ""),
-                role, role.empty() ? "" : fmt::format("{:.2f}", shown.value("confidence", 0.0)),
-                missing > 0 ? fmt::format("{:.1f} %", 100 * missing) : ""});
-  for (const int child : children[point]) {
-    AppendPointTree(points, children, child, depth + 1, table);
-  }
+std::vector<std::string> PointRow(const Json& point, std::size_t depth) {
+  constexpr std::size_t kMaxDepth = 40;
+  const std::string role = point.value("role", "");
+  const double missing = point.value("missing_fraction", 0.0);
+  return {std::string(2 * std::min(depth, kMaxDepth), ' ') + point.value("name", ""), role,
+          role.empty() ? "" : fmt::format("{:.2f}", point.value("confidence", 0.0)),
+          missing > 0 ? fmt::format("{:.1f} %", 100 * missing) : ""};
 }
 
 std::string PointsText(const Json& inspection) {
@@ -46,7 +41,18 @@ std::string PointsText(const Json& inspection) {
                {"body part"},
                {"confidence", Align::kRight},
                {"missing", Align::kRight}});
-  for (const int root : roots) AppendPointTree(points, children, root, 0, table);
+  // Depth first, in the order of the file.
+  std::vector<std::pair<int, std::size_t>> next;
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) next.emplace_back(*root, 0);
+  while (!next.empty()) {
+    const auto [point, depth] = next.back();
+    next.pop_back();
+    table.AddRow(PointRow(points[static_cast<std::size_t>(point)], depth));
+    const std::vector<int>& below = children[static_cast<std::size_t>(point)];
+    for (auto child = below.rbegin(); child != below.rend(); ++child) {
+      next.emplace_back(*child, depth + 1);
+    }
+  }
   return table.ToString();
 }
 
@@ -56,19 +62,12 @@ void AppendList(const Json& inspection, const char* field, const char* title, st
   }
 }
 
-// Returns the options in the problems, such as "--up-axis z", without --force.
-std::string SuggestedFlags(const Json& inspection) {
-  std::string flags;
-  for (const Json& item : inspection.at("problems")) {
-    const auto problem = item.get<std::string>();
-    for (std::size_t begin = 0; (begin = problem.find("(--", begin)) != std::string::npos;) {
-      const std::size_t end = std::min(problem.find(')', begin), problem.size());
-      const std::string flag = problem.substr(begin + 1, end - begin - 1);
-      if (flag != "--force") flags += (flags.empty() ? "" : " ") + flag;
-      begin = end;
-    }
+std::string SuggestedOptions(const Json& inspection) {
+  std::string text;
+  for (const Json& option : inspection.at("suggested_options")) {
+    text += (text.empty() ? "" : " ") + option.get<std::string>();
   }
-  return flags;
+  return text;
 }
 
 }  // namespace
@@ -106,10 +105,11 @@ std::string InspectionText(const Json& inspection) {
   }
   AppendList(inspection, "reader_notes", "note", text);
   AppendList(inspection, "notes", "note", text);
-  if (IsAccepted(inspection)) return text + "plausible   yes: ingest would accept the file\n";
+  if (IsAccepted(inspection))
+    return text + "plausible   yes: a database of standard34 would accept the file\n";
   AppendList(inspection, "problems", "problem", text);
-  if (const std::string flags = SuggestedFlags(inspection); !flags.empty()) {
-    text += fmt::format("try         {}\n", flags);
+  if (const std::string options = SuggestedOptions(inspection); !options.empty()) {
+    text += fmt::format("try         {}\n", options);
   }
   return text;
 }

@@ -115,7 +115,7 @@ absl::Status RunShow(const MappingOptions& options, const GlobalOptions& global)
     PrintJson(*found);
   } else {
     // A file for `mapping add`.
-    PrintText(fmt::format("motiondb-marker-set 1\nextend {}\n{}", set->name(), found->text()));
+    PrintText("motiondb-marker-set 1\n" + found->text());
   }
   return absl::OkStatus();
 }

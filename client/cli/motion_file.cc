@@ -56,6 +56,9 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options) {
                   "The subject's leg length; else measured or estimated")
       ->type_name("M")
       ->check(PositiveNumber());
+}
+
+void AddForceOption(CLI::App& command, SourceOptions& options) {
   command.add_flag("--force", options.force,
                    "Accept a body that no person has: its size, or lying throughout");
 }

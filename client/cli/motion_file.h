@@ -25,8 +25,9 @@ struct SourceOptions {
   bool force = false;  // accept a body that no person has
 };
 
-// Binds the options to a command.
+// Bind the options to a command.
 void AddSourceOptions(CLI::App& command, SourceOptions& options);
+void AddForceOption(CLI::App& command, SourceOptions& options);
 
 v1::SourceConventions Conventions(const SourceOptions& options);
 

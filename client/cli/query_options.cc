@@ -14,6 +14,7 @@ void AddQueryOptions(CLI::App& command, QueryOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
   command.add_option("FILE", options.file, "Motion file")->required();
   AddSourceOptions(command, options.source);
+  AddForceOption(command, options.source);
   command.add_option("--layer", options.layer, "Layer of the tree, from 1; else the bottom layer")
       ->type_name("N")
       ->check(PositiveNumber());

@@ -16,6 +16,18 @@ namespace {
 constexpr std::string_view kMagic = "motiondb-marker-set";
 constexpr std::string_view kVersion = "1";
 
+constexpr double kWeightTolerance = 1e-6;
+
+// Makes the weights sum to 1: a rule made of several must still be within the tolerance when it is
+// read again. Rounding errors stay, so that a written scheme is read back unchanged.
+void Normalize(MarkerRule& rule) {
+  double sum = 0;
+  for (const WeightedPoint& point : rule.points) sum += point.weight;
+  constexpr double kRounding = 1e-12;
+  if (std::abs(sum - 1) < kRounding) return;
+  for (WeightedPoint& point : rule.points) point.weight /= sum;
+}
+
 class Reader {
  public:
   Reader() = default;
@@ -47,6 +59,10 @@ class Reader {
           "'{}'",
           scheme_.set.name, word);
     }
+    if (has_base_ && (word == "name" || word == "marker" || word == "hips" || word == "leg")) {
+      return InvalidArgument("expected only mappings and rules after 'extend {}', got '{}'",
+                             scheme_.set.name, word);
+    }
     if (word == "name") return ReadName(tokens);
     if (word == "marker") return ReadMarker(tokens);
     if (word == "hips") return ReadHips(tokens);
@@ -73,6 +89,10 @@ class Reader {
     // A mapping of the file replaces one of the base with the same name.
     for (MarkerMapping& mapping : base_mappings_) {
       if (!HasMapping(mapping.name)) scheme_.mappings.push_back(std::move(mapping));
+    }
+    if (scheme_.mappings.size() > kMaxMappings) {
+      return InvalidArgument("expected at most {} mappings, got {} with those of the base",
+                             kMaxMappings, scheme_.mappings.size());
     }
     const bool has_defaults = std::ranges::any_of(
         scheme_.default_rules, [](const MarkerRule& rule) { return !rule.points.empty(); });
@@ -127,6 +147,7 @@ class Reader {
     scheme_.set = base.set;
     scheme_.default_rules = base.default_rules;
     base_mappings_ = base.mappings;
+    has_base_ = true;
     return absl::OkStatus();
   }
 
@@ -168,6 +189,9 @@ class Reader {
   absl::Status ReadMapping(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 2, "mapping NAME"));
     MOTIONDB_RETURN_IF_ERROR(FinishMapping());
+    if (extends_only_ && tokens[1].text.empty()) {
+      return InvalidArgument("expected a mapping name that is not empty");
+    }
     if (extends_only_ && HasMapping(tokens[1].text)) {
       return InvalidArgument("expected unique mappings, got '{}' twice", tokens[1].text);
     }
@@ -222,9 +246,10 @@ class Reader {
       sum += rule.points.back().weight;
       ++at;
     } while (plain(at, "+"));
-    if (std::abs(sum - 1) > 1e-6) {
+    if (std::abs(sum - 1) > kWeightTolerance) {
       return InvalidArgument("expected weights that sum to 1, got {}", sum);
     }
+    Normalize(rule);
     if (at == tokens.size()) return absl::OkStatus();
     if (!mapping_) return InvalidArgument("expected no offset in a rule before the first mapping");
     if (!plain(at, "offset") || tokens.size() != at + 5) {
@@ -257,6 +282,7 @@ class Reader {
         expanded.points.push_back({point.name, part.weight * point.weight});
       }
     }
+    Normalize(expanded);
     if (!expanded.points.empty()) return expanded;
     return InvalidArgument("mapping '{}' has no rule for marker '{}'", mapping_->name,
                            scheme_.set.markers[marker]);
@@ -282,6 +308,7 @@ class Reader {
   }
 
   bool extends_only_ = false;
+  bool has_base_ = false;
   bool started_ = false;
   MarkerScheme scheme_;
   std::optional<MarkerMapping> mapping_;

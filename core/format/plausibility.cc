@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "core/format/conventions.h"
 #include "core/motion/error.h"
@@ -60,6 +61,10 @@ double MeasuredLeg(const MarkerSet& set, const StateSequence& states) {
   return *middle * states.leg_length_m;
 }
 
+absl::Status WithOption(const std::string& option, absl::Status status) {
+  return option.empty() ? status : WithResource("option", option, std::move(status));
+}
+
 std::optional<int> MarkerNamed(const MarkerSet& set, std::string_view name) {
   const auto found = std::ranges::find(set.markers, name);
   if (found == set.markers.end()) return std::nullopt;
@@ -96,6 +101,15 @@ std::string AxisName(const Eigen::Vector3d& direction) {
 
 }  // namespace
 
+absl::Status CheckFrameRate(double frame_rate_hz, double database_rate_hz) {
+  const double lowest_hz = database_rate_hz / kMaxFramesPerSourceFrame;
+  if (frame_rate_hz >= lowest_hz) return absl::OkStatus();
+  return InvalidArgument(
+      "expected a frame rate of at least {:g} Hz, 1/{:g} of the database's {:g} Hz, got {:g} Hz "
+      "(Frame Time: {:g}): check its unit",
+      lowest_hz, kMaxFramesPerSourceFrame, database_rate_hz, frame_rate_hz, 1 / frame_rate_hz);
+}
+
 absl::Status CheckGivenLegLength(double leg_length_m) {
   if (IsPersonLeg(leg_length_m)) return absl::OkStatus();
   const auto unit = UnitOfLeg(leg_length_m);
@@ -112,15 +126,20 @@ absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
   const double leg_length_m = MeasuredLeg(set, states);
   if (IsPersonLeg(leg_length_m)) return absl::OkStatus();
   const auto unit = UnitOfLeg(leg_length_m / report.metres_per_unit);
-  const std::string probably = unit ? fmt::format(
-                                          "the unit is probably {0}: set metres_per_unit {1:.4g} "
-                                          "(--metres-per-unit {1:.4g})",
-                                          unit->name, unit->metres)
-                                    : std::string("check the unit");
-  return InvalidArgument(
-      "the legs would be {:.3g} m long with {:.4g} m per unit; expected {} to {} m for a person; "
-      "{}; {}",
-      leg_length_m, report.metres_per_unit, kMinPersonLeg_m, kMaxPersonLeg_m, probably, kForce);
+  std::string option;
+  std::string probably = "check the unit";
+  if (unit) {
+    option = fmt::format("--metres-per-unit {:.4g}", unit->metres);
+    probably = fmt::format("the unit is probably {}: set metres_per_unit {:.4g} ({})", unit->name,
+                           unit->metres, option);
+  }
+  return WithOption(
+      option,
+      InvalidArgument(
+          "the legs would be {:.3g} m long with {:.4g} m per unit; expected {} to {} m for a "
+          "person; {}; {}",
+          leg_length_m, report.metres_per_unit, kMinPersonLeg_m, kMaxPersonLeg_m, probably,
+          kForce));
 }
 
 absl::Status CheckPosture(const MarkerSet& set, const StateSequence& states,
@@ -145,13 +164,16 @@ absl::Status CheckPosture(const MarkerSet& set, const StateSequence& states,
   const std::string was = AxisName(WorldFromFile(report.up_axis).transpose().col(2));
   const std::string axis = AxisName(WorldFromFile(report.up_axis).transpose() * up);
   const bool has_direction = up.norm() > lying;  // of at most 2 * lying
-  const std::string probably =
-      !has_direction || axis.starts_with('-') || axis == was
-          ? std::string("check the axes")
-          : fmt::format("probably {0} points up: set up_axis {0} (--up-axis {0})", axis);
-  return InvalidArgument(
-      "the body lies throughout, its head along {} of the file, with {} up; {}; {}", axis, was,
-      probably, kForce);
+  std::string option;
+  std::string probably = "check the axes";
+  if (has_direction && !axis.starts_with('-') && axis != was) {
+    option = fmt::format("--up-axis {}", axis);
+    probably = fmt::format("probably {0} points up: set up_axis {0} ({1})", axis, option);
+  }
+  return WithOption(
+      option,
+      InvalidArgument("the body lies throughout, its head along {} of the file, with {} up; {}; {}",
+                      axis, was, probably, kForce));
 }
 
 }  // namespace motiondb::core

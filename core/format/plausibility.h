@@ -1,4 +1,6 @@
-// Checks that the motion in a file can be of a person.
+// Checks that the motion in a file can be of a person. If an option of the command line probably
+// corrects an error, the error has it as the resource "option" (core/motion/error.h), for example
+// "--metres-per-unit 0.01".
 #pragma once
 
 #include "absl/status/status.h"
@@ -9,6 +11,13 @@ namespace motiondb::core {
 
 inline constexpr double kMinPersonLeg_m = 0.3;
 inline constexpr double kMaxPersonLeg_m = 1.5;
+
+// A motion needs at least one frame for this many frames of the database. At a lower rate there is
+// only interpolation, and a few bytes would become hours of motion.
+inline constexpr double kMaxFramesPerSourceFrame = 32;
+
+// Returns INVALID_ARGUMENT for a frame rate that is too low for a database.
+absl::Status CheckFrameRate(double frame_rate_hz, double database_rate_hz);
 
 // Returns INVALID_ARGUMENT, with the probably intended value, for a given leg length that no person
 // has.

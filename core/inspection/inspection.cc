@@ -8,6 +8,7 @@
 #include "core/format/marker_set_file.h"
 #include "core/format/plausibility.h"
 #include "core/inspection/body_measures.h"
+#include "core/inspection/draft_mapping.h"
 #include "core/mapping/figure.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/mapping/found_roles.h"
@@ -17,6 +18,8 @@
 
 namespace motiondb::core {
 namespace {
+
+constexpr double kUsualRate_hz = 60;  // of a new database
 
 std::vector<InspectedPoint> PointsOf(const Motion& motion, const PointCloud& middle) {
   std::vector<InspectedPoint> points(static_cast<std::size_t>(middle.count()));
@@ -76,7 +79,11 @@ std::optional<MarkerScheme> MapPoints(const Motion& motion, const PointCloud& po
 }
 
 void AddProblem(const absl::Status& status, Inspection& inspection) {
-  if (!status.ok()) inspection.problems.emplace_back(status.message());
+  if (status.ok()) return;
+  inspection.problems.emplace_back(status.message());
+  if (const auto option = status.GetPayload(fmt::format("{}option", kMetadataUrl))) {
+    inspection.suggested_options.emplace_back(*option);
+  }
 }
 
 // Converts the motion to states, and measures the body.
@@ -117,6 +124,8 @@ absl::StatusOr<Inspection> InspectMotion(FileFormat format, SourceFile file,
     inspection.points[found.point].role = found.role;
     inspection.points[found.point].confidence = found.confidence;
   }
+  if (leg_length_m) AddProblem(CheckGivenLegLength(*leg_length_m), inspection);
+  AddProblem(CheckFrameRate(inspection.frame_rate_hz, kUsualRate_hz), inspection);
   const auto scheme = MapPoints(read.motion, points, inspection);
   if (scheme) Measure(*scheme, read.motion, leg_length_m, inspection);
   return inspection;

@@ -36,8 +36,9 @@ struct Inspection {
   std::optional<double> leg_length_m;
   std::optional<double> stature_m;
   std::optional<double> foot_slide_m_per_s;  // median speed of a foot on the floor
-  std::vector<std::string> notes;     // reference pose, glitches, filled gaps, derived markers
-  std::vector<std::string> problems;  // why ingest would reject the file
+  std::vector<std::string> notes;  // reference pose, glitches, filled gaps, derived markers
+  std::vector<std::string> suggested_options;  // of the command line, against the problems
+  std::vector<std::string> problems;           // why ingest would reject the file
 };
 
 // Reads a file and converts it to the standard marker set, as ingest with the policy `repair` does.

@@ -56,8 +56,9 @@ void AddLandmarks(const SkinMarkers& skin, std::vector<FoundRole>& found) {
 }
 
 void AddFigure(const Figure& figure, std::vector<FoundRole>& found) {
-  for (const int joint : figure.spine)
+  for (const int joint : figure.spine) {
     found.push_back({joint, RoleName(Role::kSpine, Side::kNone), 1});
+  }
   for (std::size_t r = 0; r < kRoleCount; ++r) {
     const auto role = static_cast<Role>(r);
     for (const Side side : {Side::kLeft, Side::kRight}) {
@@ -66,27 +67,6 @@ void AddFigure(const Figure& figure, std::vector<FoundRole>& found) {
       if (point.is_found()) found.push_back({point.index, RoleName(role, side), point.confidence});
     }
   }
-}
-
-// The marker of standard34 that is at a role, without its side.
-struct MarkerOfRole {
-  const char* marker;
-  Role role;
-  bool has_sides;
-};
-constexpr MarkerOfRole kMarkers[] = {
-    {"Hip", Role::kHip, true},          {"Knee", Role::kKnee, true},
-    {"Ankle", Role::kAnkle, true},      {"Toe", Role::kToe, true},
-    {"Waist", Role::kSpine, false},     {"Spine", Role::kSpine, false},
-    {"Neck", Role::kNeck, false},       {"Head", Role::kHead, false},
-    {"HeadTop", Role::kHeadTop, false}, {"Shoulder", Role::kShoulder, true},
-    {"Elbow", Role::kElbow, true},      {"Wrist", Role::kWrist, true},
-    {"Hand", Role::kHand, true}};
-
-std::string Quoted(const std::string& name) {
-  std::string quoted = "\"";
-  for (const char c : name) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + '"';
 }
 
 }  // namespace
@@ -100,27 +80,6 @@ std::vector<FoundRole> FindRoles(const PointCloud& points) {
     AddFigure(FindFigure(points), found);
   }
   return found;
-}
-
-std::string DraftMapping(const MarkerSet& set, const PointCloud& points) {
-  const Figure figure = FindFigure(points);
-  std::string text =
-      fmt::format("# A draft: complete the rules of all markers of {}.\nmapping draft\n", set.name);
-  for (const auto& [marker, role, has_sides] : kMarkers) {
-    for (const Side side : {Side::kLeft, Side::kRight}) {
-      if (!has_sides && side == Side::kRight) continue;
-      const char* const letter = !has_sides ? "" : side == Side::kLeft ? "L" : "R";
-      RolePoint point = figure.at(role, side);
-      if (role == Role::kSpine && !figure.spine.empty()) {
-        const std::size_t at = std::string_view(marker) == "Waist" ? 0 : figure.spine.size() / 2;
-        point = {figure.spine[at], 1};
-      }
-      text += point.is_found() ? fmt::format("{}{} = {}  # confidence {:.2f}\n", letter, marker,
-                                             Quoted(figure.names[point.index]), point.confidence)
-                               : fmt::format("# {}{} = ?\n", letter, marker);
-    }
-  }
-  return text;
 }
 
 }  // namespace motiondb::core

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/mapping/figure.h"
-#include "core/motion/marker_set.h"
 
 namespace motiondb::core {
 
@@ -17,10 +16,5 @@ struct FoundRole {
 
 // Returns the roles that MapAutomatically uses, also uncertain ones.
 std::vector<FoundRole> FindRoles(const PointCloud& points);
-
-// Returns a mapping in the marker-set file's format to complete by hand: rules for the markers
-// whose roles were found, with their confidences, and comments for the others. Markers with a
-// default rule are left out.
-std::string DraftMapping(const MarkerSet& set, const PointCloud& points);
 
 }  // namespace motiondb::core

@@ -58,7 +58,7 @@ absl::StatusOr<MarkerMapping> ChooseMapping(const MarkerScheme& scheme, const Na
   const auto missing = MissingNames(closest->signature, index);
   return InvalidArgument(
       "no mapping of marker set '{}' fits this motion: the closest, '{}', needs '{}'{}, missing "
-      "from its joints or markers; add a mapping to a marker-set file",
+      "from its joints or markers; add a mapping (motiondb mapping add DB FILE)",
       scheme.set.name, closest->name, missing.front(),
       missing.size() > 1 ? fmt::format(" and {} more", missing.size() - 1) : "");
 }
@@ -69,6 +69,10 @@ absl::StatusOr<BoundMapping> BindMapping(const MarkerScheme& scheme,
                                          const std::vector<std::string>& names) {
   const NameIndex index = IndexOf(names);
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMapping mapping, ChooseMapping(scheme, index));
+  if (mapping.rules.size() != scheme.set.markers.size()) {
+    return InvalidArgument("mapping '{}' has {} rules for the {} markers of set '{}'", mapping.name,
+                           mapping.rules.size(), scheme.set.markers.size(), scheme.set.name);
+  }
   BoundMapping bound{.name = mapping.name, .rules = {}};
   for (std::size_t m = 0; m < mapping.rules.size(); ++m) {
     const MarkerRule& rule = mapping.rules[m];

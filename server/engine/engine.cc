@@ -91,29 +91,31 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
 
 absl::Status Engine::ChangeMarkerScheme(const std::string& database, const SchemeChange& change,
                                         const storage::WriteOptions& terms) {
-  // GetMarkerSet returns the whole text in one message.
-  constexpr std::size_t kMaxTextBytes = 2 << 20;
   MOTIONDB_RETURN_IF_ERROR(store_->maintenance().CheckIsWritable());
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
+  // Without a scheme, the ingest of the first clip can hold the mutex for minutes.
+  MOTIONDB_ASSIGN_OR_RETURN(const auto current, live->scheme());
+  if (current == nullptr) return NoMarkerSet(database);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto changing, live->scheme_mutex().Lock(terms.cancelled));
   return live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto changing, live->scheme_mutex().Lock(terms.cancelled));
     MOTIONDB_ASSIGN_OR_RETURN(auto record, store_->GetDatabase(database));
     MOTIONDB_ASSIGN_OR_RETURN(const auto before, schemes_.Of(record));
     if (before == nullptr) return NoMarkerSet(database);
     MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerScheme changed, change(*before));
     const std::string before_text =
         std::exchange(record.marker_set_text, core::WriteMarkerSetFile(changed));
-    if (record.marker_set_text.size() > kMaxTextBytes) {
-      return core::WithReason("QUOTA_EXCEEDED",
-                              absl::ResourceExhaustedError(fmt::format(
-                                  "the marker set of database '{}' would have {} bytes; the "
-                                  "maximum is {}",
-                                  database, record.marker_set_text.size(), kMaxTextBytes)));
+    const std::size_t bytes = record.marker_set_text.size();
+    if (bytes > kMaxMarkerSetBytes && bytes > before_text.size()) {
+      return core::WithReason(
+          "QUOTA_EXCEEDED",
+          absl::ResourceExhaustedError(
+              fmt::format("the marker set of database '{}' would have {} bytes; the maximum is {}",
+                          database, bytes, kMaxMarkerSetBytes)));
     }
     MOTIONDB_ASSIGN_OR_RETURN(auto scheme, schemes_.Of(record));
     MOTIONDB_RETURN_IF_ERROR(
         store_->ReplaceMarkerSet(database, before_text, record.marker_set_text, terms));
-    live->set_scheme(std::move(scheme));
+    live->ReplaceScheme(std::move(scheme), NowMicroseconds());
     spdlog::info("database '{}': marker set changed: mappings={}", database,
                  changed.mappings.size());
     return absl::OkStatus();
@@ -200,7 +202,7 @@ absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(
 absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& database,
                                         IngestRequest request, const WorkOptions& terms) {
   Ingested ingested;
-  const bool replaces = request.replace;
+  const bool replaces = request.replace && !request.validate_only;
   const auto stored = [&](const storage::ClipRecord& record) -> absl::Status {
     spdlog::info("database '{}': clip '{}' stored: frames={}; {}", record.database, record.id,
                  record.frame_count, record.source_report);

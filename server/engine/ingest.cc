@@ -34,7 +34,7 @@ void Complete(const LiveDatabase& database, const core::MotionFile& source,
   record.source_frame_rate_hz = FrameRate(source.motion);
   record.leg_length_m = states.leg_length_m;
   record.source_report = ReportOf(source.report, notes);
-  record.create_time_us = record.tried_time_us = NowMicroseconds();
+  record.create_time_us = NowMicroseconds();
   clip.states = std::move(states);
   if (const auto* joints = std::get_if<core::JointMotion>(&source.motion)) {
     clip.skeleton = *joints->skeleton;
@@ -74,7 +74,9 @@ absl::StatusOr<std::optional<storage::ClipRecord>> FindReplaced(storage::MotionS
   if (request.replace || request.validate_only) {
     auto found = store.FindSameClip(clip);
     if (found.ok()) {
-      if (!request.replace) return storage::SameClipError(*found, clip);
+      // The same motion under another id than the given one.
+      const bool is_other = clip.id_is_fixed && found->id != clip.record.id;
+      if (!request.replace || is_other) return storage::SameClipError(*found, clip);
       before = *std::move(found);
     } else if (!absl::IsNotFound(found.status())) {
       return found.status();
@@ -103,6 +105,9 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
     const EngineOptions& options, const core::ParallelFor& parallel, const WorkOptions& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored) {
   storage::NewClip& clip = request.clip;
+  // Before the scheme is read: a reprocessing that is requested after a later change of the scheme
+  // includes this clip.
+  clip.record.tried_time_us = NowMicroseconds();
   const core::SourceFile file{clip.record.file_name, clip.file_bytes};
   const auto skeleton = SkeletonFile(clip.record, clip.skeleton_bytes);
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MaxBytesToRead(clip.record.format, file, skeleton)));

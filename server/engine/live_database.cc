@@ -43,6 +43,18 @@ void LiveDatabase::set_scheme(absl::StatusOr<std::shared_ptr<const core::MarkerS
   scheme_ = std::move(scheme);
 }
 
+void LiveDatabase::ReplaceScheme(std::shared_ptr<const core::MarkerScheme> scheme,
+                                 std::int64_t time_us) {
+  const storage::MutexLock lock(mutex_);
+  scheme_ = std::move(scheme);
+  scheme_time_us_ = time_us;
+}
+
+std::int64_t LiveDatabase::scheme_time_us() const {
+  const storage::MutexLock lock(mutex_);
+  return scheme_time_us_;
+}
+
 StoredAmount LiveDatabase::stored() const {
   const storage::MutexLock lock(mutex_);
   return stored_;

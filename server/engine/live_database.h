@@ -57,6 +57,10 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   // stored scheme could not be read.
   absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme() const;
   void set_scheme(absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme);
+  // Replaces the scheme at a time (microseconds since the Unix epoch).
+  void ReplaceScheme(std::shared_ptr<const core::MarkerScheme> scheme, std::int64_t time_us);
+  // Time of the last replacement; 0: none since the start.
+  std::int64_t scheme_time_us() const;
 
   StoredAmount stored() const;
   void AddStored(const StoredAmount& amount);
@@ -109,6 +113,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   mutable storage::Mutex mutex_;
   absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme_ ABSL_GUARDED_BY(mutex_) =
       nullptr;
+  std::int64_t scheme_time_us_ ABSL_GUARDED_BY(mutex_) = 0;
   StoredAmount stored_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> unreadable_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> underived_ ABSL_GUARDED_BY(mutex_);

@@ -24,7 +24,12 @@ absl::StatusOr<MarkerSetSetting> ResolveOwn(const std::string& name, const std::
                                  own);
   }
   // An extended set is stored with its base, which can change in a later version.
-  return MarkerSetSetting{own, is_standard ? core::WriteMarkerSetFile(scheme) : text};
+  MarkerSetSetting setting{own, is_standard ? core::WriteMarkerSetFile(scheme) : text};
+  if (setting.text.size() > kMaxMarkerSetBytes) {
+    return core::InvalidArgument("the set '{}' has {} bytes; the maximum is {}", own,
+                                 setting.text.size(), kMaxMarkerSetBytes);
+  }
+  return setting;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Marker-set settings of databases and their marker schemes.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,6 +16,9 @@ namespace motiondb::server {
 
 inline constexpr char kStandardMarkerSet[] = "standard34";
 inline constexpr char kSourceMarkerSet[] = "source";
+// Maximum size of a marker set as text. GetMarkerSet returns it, and all signatures once more, in
+// one message of less than 4 MiB.
+inline constexpr std::size_t kMaxMarkerSetBytes = 1 << 20;
 
 // The setting as stored with a database: name and text of the set. For `source` the text is empty
 // until the first clip.

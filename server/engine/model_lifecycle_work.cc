@@ -188,8 +188,8 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
   MOTIONDB_ASSIGN_OR_RETURN(
       const Reprocessed done,
       Reprocess(services_.store, database_, services_.executor.Parallel(Pool::kBuilds),
-                derives_all ? operation->create_time_us : 0, progress,
-                [&build] { return build.stopped(); }));
+                derives_all ? std::max(operation->create_time_us, database_.scheme_time_us()) : 0,
+                progress, [&build] { return build.stopped(); }));
   build.derived = kDeriveShare;
   return fmt::format("clips derived again: {}, changed: {}, failed: {}", done.clips, done.changed,
                      done.failed);

@@ -47,7 +47,7 @@ absl::Status CheckRadians(const std::string& field, const core::Skeleton& skelet
   if (large < 3 || 5 * large < rotations) return absl::OkStatus();
   return FieldViolation(field,
                         "expected radians; {} of {} rotations are beyond a full turn in most "
-                        "frames, as degrees are",
+                        "frames, as degrees are; if they are right, set force",
                         large, rotations);
 }
 
@@ -112,8 +112,10 @@ class Reader {
         const core::FrameMatrix angles,
         Unpack(observation_.field, "angles", joints.angles, motion.skeleton->dof_count()));
     MOTIONDB_RETURN_IF_ERROR(CheckFinite(SubField(observation_, "angles"), angles));
-    MOTIONDB_RETURN_IF_ERROR(
-        CheckRadians(SubField(observation_, "angles"), *motion.skeleton, angles));
+    if (!joints.force) {
+      MOTIONDB_RETURN_IF_ERROR(
+          CheckRadians(SubField(observation_, "angles"), *motion.skeleton, angles));
+    }
     motion.angles = angles.cast<double>();
     return ReadObservation{std::move(motion), std::nullopt};
   }

@@ -38,6 +38,7 @@ struct ObservedJoints {
   std::string skeleton;  // skeleton id in the database
   double frame_rate_hz = 0;
   PackedFrames angles;  // frames x degrees of freedom, rad and m
+  bool force = false;   // accept angles that look like degrees
 };
 
 // References the caller's data, which must outlive it.

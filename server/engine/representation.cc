@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "absl/strings/cord.h"
+#include "core/format/plausibility.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
 
@@ -74,13 +75,7 @@ bool IsHeavyWork(const absl::Status& status) {
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                        const core::Motion& motion) {
   const double own_frames = FrameCount(motion);
-  if (FrameRate(motion) * kMaxFramesPerSourceFrame < limits.frame_rate_hz) {
-    return core::InvalidArgument(
-        "expected a frame rate of at least {2:g} Hz, 1/{3:g} of the database's {4:g} Hz, got "
-        "{0:g} Hz (Frame Time: {1:g}): check its unit",
-        FrameRate(motion), 1 / FrameRate(motion), limits.frame_rate_hz / kMaxFramesPerSourceFrame,
-        kMaxFramesPerSourceFrame, limits.frame_rate_hz);
-  }
+  MOTIONDB_RETURN_IF_ERROR(core::CheckFrameRate(FrameRate(motion), limits.frame_rate_hz));
   if (own_frames > limits.max_frames) {
     return TooLong(fmt::format("has {} frames, the limit is {}", own_frames, limits.max_frames));
   }

@@ -33,10 +33,6 @@ struct WorkOptions {
   }
 };
 
-// A motion needs at least one frame for this many frames of the database. At a lower rate there is
-// only interpolation, and a few bytes would become hours of motion.
-inline constexpr double kMaxFramesPerSourceFrame = 32;
-
 struct RepresentationLimits {
   double frame_rate_hz = 0;  // of the database
   // At the database's rate and at the motion's own rate, for 34 markers; proportionally fewer for

@@ -102,6 +102,8 @@ class CallContext {
   storage::AuditRecord AuditRecordForChange(std::string resource);
   // A successful call that changed nothing: End records it like a failed call.
   void SetUnchanged() { changed_ = false; }
+  // A successful call that by its request changes nothing: End writes no audit entry.
+  void SetUnrecorded() { recorded_ = true; }
 
  private:
   absl::StatusOr<Caller> Authenticate();

@@ -11,6 +11,13 @@
 namespace motiondb::server {
 namespace {
 
+constexpr std::size_t kMaxNameBytes = 1000;
+
+// The resource of an audit entry; "*": several mappings.
+std::string MappingName(const std::string& database, const std::string& mapping) {
+  return fmt::format("{}/mappings/{}", DatabaseName(database), mapping);
+}
+
 void SetMapping(const core::MarkerSet& set, const core::MarkerMapping& mapping,
                 v1::Mapping& message) {
   message.set_name(text::ValidUtf8(mapping.name));
@@ -50,14 +57,15 @@ absl::Status AddMappings(const Call& call, const v1::AddMappingsRequest& request
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id,
                             ParseDatabaseName("database", request.database()));
   MOTIONDB_RETURN_IF_ERROR(CheckPlainLines("mapping_file", request.mapping_file()));
+  storage::AuditRecord audit = call.entry.AuditRecordForChange(request.database());
   const auto add = [&](const core::MarkerScheme& before) -> absl::StatusOr<core::MarkerScheme> {
     auto added = core::ReadMappings({"mapping_file", request.mapping_file()}, before);
     if (!added.ok()) return AtField("mapping_file", added.status());
     response.clear_mappings();
     for (const auto& mapping : *added) SetMapping(before.set, mapping, *response.add_mappings());
+    audit.resource = MappingName(id, added->size() == 1 ? added->front().name : "*");
     return WithMappings(before, *std::move(added));
   };
-  const auto audit = call.entry.AuditRecordForChange(request.database());
   return call.engine.ChangeMarkerScheme(id, add, {&audit, call.cancelled});
 }
 
@@ -66,10 +74,11 @@ absl::Status DeleteMapping(const Call& call, const v1::DeleteMappingRequest& req
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id,
                             ParseDatabaseName("database", request.database()));
   if (request.mapping().empty()) return FieldViolation("mapping", "is missing");
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("mapping", request.mapping(), kMaxNameBytes));
   const auto remove = [&](const core::MarkerScheme& before) {
     return WithoutMapping(before, request.mapping());
   };
-  const auto audit = call.entry.AuditRecordForChange(request.database());
+  const auto audit = call.entry.AuditRecordForChange(MappingName(id, request.mapping()));
   return call.engine.ChangeMarkerScheme(id, remove, {&audit, call.cancelled});
 }
 

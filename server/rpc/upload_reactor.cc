@@ -31,7 +31,9 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
     MOTIONDB_RETURN_IF_ERROR(entry().ReserveFile(stream_.byte_count()));
     if (database_ != nullptr) return absl::OkStatus();
     MOTIONDB_ASSIGN_OR_RETURN(database_, engine_.FindDatabase(stream_.database()));
-    MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));
+    if (!stream_.validate_only()) {
+      MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));
+    }
     return absl::OkStatus();
   }
 
@@ -47,7 +49,11 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
                         [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }});
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
-    if (!validate_only) SetOperation(ingested->operation, *response_.mutable_operation());
+    if (validate_only) {
+      entry().SetUnrecorded();
+    } else {
+      SetOperation(ingested->operation, *response_.mutable_operation());
+    }
     in_flight_.reset();
     return absl::OkStatus();
   }

@@ -27,6 +27,8 @@ class IngestStream {
 
   // Id of the database; empty before the header.
   const std::string& database() const { return database_; }
+  // Whether the header asks to store nothing.
+  bool validate_only() const { return request_.validate_only; }
   // Bytes received so far, of the file and its skeleton.
   std::size_t byte_count() const {
     return request_.clip.file_bytes.size() + request_.clip.skeleton_bytes.size();

@@ -55,11 +55,12 @@ absl::StatusOr<Observation> FromJoints(std::string field, const v1::JointObserva
     return FieldViolation(field + ".skeleton", "expected a skeleton of databases/{}, got '{}'",
                           database, message.skeleton());
   }
-  return Observation{
-      std::move(field),
-      ObservedJoints{
-          std::move(id.id), message.frame_rate_hz(), {message.frame_count(), message.angles()}},
-      std::nullopt};
+  return Observation{std::move(field),
+                     ObservedJoints{std::move(id.id),
+                                    message.frame_rate_hz(),
+                                    {message.frame_count(), message.angles()},
+                                    message.force()},
+                     std::nullopt};
 }
 
 }  // namespace

@@ -31,10 +31,10 @@ TEST_CASE("motiondb inspect: one file with its body parts, without a server", "[
   const auto result = RunInspect({file, "--plot", plot, "--write-mapping", mapping});
   CHECK(result.err.empty());
   CHECK(result.exit_code == 0);
-  CHECK_THAT(result.out, StartsWith(file + "\n") && Contains("left knee") &&
-                             Contains("unit        0.01 m (deduced)") &&
-                             Contains("leg length  0.82 m") &&
-                             Contains("plausible   yes: ingest would accept the file"));
+  CHECK_THAT(result.out,
+             StartsWith(file + "\n") && Contains("left knee") &&
+                 Contains("unit        0.01 m (deduced)") && Contains("leg length  0.82 m") &&
+                 Contains("plausible   yes: a database of standard34 would accept the file"));
   CHECK_THAT(folder.Read("mapping.txt"),
              StartsWith("motiondb-marker-set 1\nextend standard34\nmapping "));
   CHECK_THAT(folder.Read("a.svg"), Contains("LeftLeg: left knee") && Contains("from the left"));
@@ -80,6 +80,39 @@ TEST_CASE("motiondb inspect: --json prints one object per file, in order", "[cli
   CHECK(objects[1].at("frame_count") == 2000);
   CHECK(objects[1].at("points").size() >= 21);
   CHECK(objects[2].at("error") == "no such file");
+}
+
+TEST_CASE("motiondb inspect: bad answers of the import program are errors", "[client][cli]") {
+  const TemporaryFolder folder;
+  const std::string a = folder.Write("a.bvh", "").string();
+  const std::string b = folder.Write("b.bvh", "").string();
+  const std::string good = R"({"problems":[],"points":[]})";
+  const std::string deep(1000, '[');
+  for (const std::string& answers : std::vector<std::string>{
+           "", "{\"index\":0,\"result\":" + good + "}\n", "{\"index\":\"x\"}\n", "{}\n", "x\n",
+           "{\"index\":9,\"result\":" + good + "}\n",
+           "{\"index\":0,\"result\":{\"error\":\"e\"}}\n{\"index\":0,\"result\":{}}\n",
+           "{\"index\":0,\"result\":" + deep + "}\n", "{\"index\":0,\"result\":{}}\n"}) {
+    CAPTURE(answers);
+    folder.Write("answers", answers);
+    const auto program =
+        folder.Write("import", "#!/bin/sh\ncat > /dev/null\ncat " + (folder / "answers").string());
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    setenv("MOTIONDB_IMPORT", program.c_str(), 1);
+    const auto result = RunInspect({a, b});
+    unsetenv("MOTIONDB_IMPORT");
+    CHECK(result.exit_code == 1);
+    CHECK_THAT(result.err, Contains("motiondb-import"));
+  }
+}
+
+TEST_CASE("motiondb inspect: a text in a file is not taken for an option", "[client][cli]") {
+  const TemporaryFolder folder;
+  std::string pole = kPole;
+  pole.replace(pole.find("base"), 4, "x(--metres-per-unit)");
+  const auto result = RunInspect({folder.Write("a.bvh", pole).string()});
+  CHECK(result.exit_code == 1);
+  CHECK(result.out.find("try  ") == std::string::npos);
 }
 
 TEST_CASE("motiondb inspect: wrong use, and a missing motiondb-import", "[client][cli]") {

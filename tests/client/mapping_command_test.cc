@@ -53,7 +53,7 @@ TEST_CASE("motiondb mapping list and show", "[client][cli]") {
   CHECK(list.exit_code == 0);
   CHECK_THAT(list.out, Contains("one") && Contains("a b c d ...") && Contains("two"));
   const auto show = RunMotiondb(server.address(), {"mapping", "show", "walks", "two"});
-  CHECK(show.out == "motiondb-marker-set 1\nextend feet\nmapping two\nL = a\nR = b\n");
+  CHECK(show.out == "motiondb-marker-set 1\nmapping two\nL = a\nR = b\n");
   const auto none = RunMotiondb(server.address(), {"mapping", "show", "walks", "three"});
   CHECK(none.exit_code == 1);
   CHECK_THAT(none.err, Contains("'feet' of databases/walks has no mapping 'three'"));

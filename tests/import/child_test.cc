@@ -1,6 +1,8 @@
 #include "import/child.h"
 
+#include <fcntl.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -19,11 +21,13 @@ absl::StatusOr<std::string> ResultOf(const std::function<std::string()>& work,
                                      bool is_sandboxed = true) {
   auto child = Child::Start(work, limits, is_sandboxed);
   REQUIRE(child.ok());
-  while (true) {
+  bool is_over = false;
+  while (!is_over) {
     pollfd ready{child->descriptor(), POLLIN, 0};
     poll(&ready, 1, 100);
-    if (ready.revents != 0 ? !child->Read() : child->IsOverdue()) return child->Finish();
+    is_over = child->Step(ready.revents != 0);
   }
+  return child->Finish();
 }
 
 // A value that the compiler does not know.
@@ -51,7 +55,32 @@ TEST_CASE("Child: a child that hangs is stopped", "[import]") {
       },
       {.cpu_seconds = 1});
   CHECK(hung.status().code() == absl::StatusCode::kResourceExhausted);
-  CHECK(hung.status().message() == "reading takes longer than 1 s");
+  CHECK(hung.status().message() == "reading needs more than 1 s of processor time");
+}
+
+TEST_CASE("Child: one that waits, or writes slowly or without end, is stopped", "[import]") {
+  const auto slow = ResultOf(
+      []() -> std::string {
+        close(importer::kOutputDescriptor);
+        pause();
+        return "";
+      },
+      {.cpu_seconds = 1}, false);
+  CHECK(slow.status().message() == "reading takes longer than 2 s");
+  const auto dripping = ResultOf(
+      []() -> std::string {
+        while (write(importer::kOutputDescriptor, "x", 1) == 1) usleep(20'000);
+        return "";
+      },
+      {.cpu_seconds = 1}, false);
+  CHECK(dripping.status().message() == "reading takes longer than 2 s");
+  const auto endless = ResultOf([]() -> std::string {
+    const std::string block(1 << 20, 'x');
+    while (write(importer::kOutputDescriptor, block.data(), block.size()) > 0) {
+    }
+    return "";
+  });
+  CHECK(endless.status().message() == "the result is larger than 32 MiB");
 }
 
 // Sanitizers need the memory and the system calls themselves.
@@ -68,10 +97,18 @@ TEST_CASE("Child: a child that needs too much memory is stopped", "[import]") {
 }
 
 TEST_CASE("Child: cannot open files, sockets or processes in the sandbox", "[import]") {
+  const pid_t parent = getpid();
   const std::vector<std::function<int()>> calls = {
-      [] { return access("/etc/passwd", R_OK); }, [] { return socket(AF_INET, SOCK_STREAM, 0); },
-      [] { return static_cast<int>(fork()); }, [] { return kill(getppid(), 0); },
-      [] { return system("true"); }};
+      [] { return access("/etc/passwd", R_OK); },
+      [] { return socket(AF_INET, SOCK_STREAM, 0); },
+      [] { return static_cast<int>(fork()); },
+      [=] { return kill(parent, 0); },
+      [] { return system("true"); },
+      [] { return dup(importer::kOutputDescriptor); },
+      [] {
+        return mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) ==
+               MAP_FAILED;
+      }};
   for (const auto& call : calls) {
     const auto work = [&] { return std::to_string(call()); };
     const auto refused = ResultOf(work);
@@ -83,12 +120,21 @@ TEST_CASE("Child: cannot open files, sockets or processes in the sandbox", "[imp
 }
 #endif
 
-TEST_CASE("Child: does not see the requests of its parent", "[import]") {
+TEST_CASE("Child: sees neither the files nor the other children of its parent", "[import]") {
+  const auto other = Child::Start([] { return std::string("secret"); }, {}, true);
+  REQUIRE(other.ok());
   const auto work = [] {
-    char byte = 0;
-    return std::string(read(STDIN_FILENO, &byte, 1) < 0 ? "closed" : "open");
+    std::string open;
+    for (int descriptor = 0; descriptor < 256; ++descriptor) {
+      char byte = 0;
+      if (fcntl(descriptor, F_GETFD) < 0) continue;
+      const bool has_data =
+          descriptor != importer::kOutputDescriptor && read(descriptor, &byte, 1) > 0;
+      open += std::to_string(descriptor) + (has_data ? " has data, " : ", ");
+    }
+    return open;
   };
-  CHECK(ResultOf(work).value() == "closed");
+  CHECK(ResultOf(work, {}, false).value() == "0, 1, 2, 3, ");
 }
 
 TEST_CASE("Child: ends with its object", "[import]") {

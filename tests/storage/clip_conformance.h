@@ -5,6 +5,10 @@
 
 namespace motiondb::tests {
 
+// Returns the record that a store must return for a new clip.
+storage::ClipRecord Expected(const storage::NewClip& clip, const std::string& id,
+                             const std::string& skeleton_id);
+
 void TestClips(StoreUnderTest& store);
 void TestReplacedClips(StoreUnderTest& store);
 void TestDerivedClips(StoreUnderTest& store);

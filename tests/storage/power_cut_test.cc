@@ -4,6 +4,7 @@
 // MOTIONDB_FAULT_SEEDS: number of power cuts at each operation; default 8.
 // MOTIONDB_FAULT_STRIDE: each fault happens at each n-th operation only, different faults at
 // different ones; default 1.
+// MOTIONDB_FAULT_PARTS, MOTIONDB_FAULT_PART: only the cases of this part, from 1, of so many.
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -119,7 +120,11 @@ class FaultRun {
   // Injects a fault at each operation, or at each n-th (MOTIONDB_FAULT_STRIDE).
   void Everywhere(const std::function<void(int at)>& inject) {
     const int stride = Variable("MOTIONDB_FAULT_STRIDE", 1);
-    for (int at = 1 + fault_count_++ % stride; at <= operations_; at += stride) inject(at);
+    const int parts = Variable("MOTIONDB_FAULT_PARTS", 1);
+    const int part = Variable("MOTIONDB_FAULT_PART", 1);
+    for (int at = 1 + fault_count_++ % stride; at <= operations_; at += stride) {
+      if (case_count_++ % parts == part - 1) inject(at);
+    }
   }
 
   // Restores the file before the change and arms the disk.
@@ -205,6 +210,7 @@ class FaultRun {
   int operations_ = 0;
   int cases_ = 0;
   int fault_count_ = 0;
+  int case_count_ = 0;  // of all parts
 };
 
 void RunAll(Change change, bool is_seen = true) {
@@ -213,7 +219,8 @@ void RunAll(Change change, bool is_seen = true) {
   run.CutPowerEverywhere();
   run.FailEverywhere();
   run.FillEverywhere();
-  REQUIRE(run.cases() * Variable("MOTIONDB_FAULT_STRIDE", 1) > 100);
+  REQUIRE(run.cases() * Variable("MOTIONDB_FAULT_STRIDE", 1) * Variable("MOTIONDB_FAULT_PARTS", 1) >
+          100);
 }
 
 }  // namespace

@@ -127,4 +127,36 @@ TEST_CASE("WriteMapping: the set and its mappings, one after the other, are a wh
   CHECK(text == core::WriteMarkerSetFile(scheme));
 }
 
+TEST_CASE("MarkerSetFile: an extended set keeps the markers of its base", "[core][format]") {
+  for (const char* const line :
+       {"name mine", "marker Extra", "hips LHip RHip", "leg LHip LKnee LAnkle"}) {
+    const auto extended =
+        core::ReadMarkerSetFile({"my.markers", kMagic + "extend standard34\n" + line + "\n"});
+    CHECK_THAT(std::string(extended.status().message()),
+               Contains("my.markers:3") && Contains("only mappings and rules after 'extend"));
+  }
+}
+
+TEST_CASE("MarkerSetFile: no more mappings than allowed, with those of the base",
+          "[core][format]") {
+  std::string text = kMagic + "extend standard34\n";
+  const std::string rules =
+      core::WriteMapping(core::StandardScheme().set, core::StandardScheme().mappings.front());
+  for (std::size_t i = 0; i < core::kMaxMappings - 1; ++i) {
+    text += "mapping m" + std::to_string(i) + rules.substr(rules.find('\n'));
+  }
+  const auto extended = core::ReadMarkerSetFile({"my.markers", text});
+  CHECK_THAT(std::string(extended.status().message()), Contains("at most 200 mappings"));
+}
+
+TEST_CASE("MarkerSetFile: weights within the tolerance stay within it when they are combined",
+          "[core][format]") {
+  const std::string file = kSet +
+                           "\"Top of head\" = 3 Left + -2 Right\n"
+                           "mapping odd\nLeft = 0.5 a + 0.5000009 b\nRight = 0.9999991 c\n";
+  const core::MarkerScheme scheme = SchemeOf(file);
+  const std::string text = core::WriteMarkerSetFile(scheme);
+  CHECK(core::WriteMarkerSetFile(SchemeOf(text)) == text);
+}
+
 }  // namespace motiondb::tests::mapping_file_test

@@ -63,17 +63,37 @@ TEST_CASE("InspectMotion: problems of a file that ingest would reject", "[core][
     REQUIRE(inspection.problems.size() == 1);
     CHECK_THAT(inspection.problems[0], Catch::Contains("--up-axis y"));
   }
+  SECTION("options are suggested by themselves, not in texts of the file") {
+    const auto inspection = Inspect(HumanoidBvh(100, 60), {.metres_per_unit = 1});
+    CHECK(inspection.suggested_options == std::vector<std::string>{"--metres-per-unit 0.01"});
+  }
   SECTION("no person: a draft of a mapping names what was found") {
     std::string bvh = HumanoidBvh(100, 20);
-    for (std::size_t at; (at = bvh.find("ForeArm")) != std::string::npos;)
-      bvh.replace(at, 7, "Stick");
-    for (std::size_t at; (at = bvh.find("JOINT LeftHand")) != std::string::npos;) {
-      bvh.replace(at, 14, "JOINT Prop");
+    for (const char* hand : {"LeftHand", "RightHand", "LeftForeArm", "RightForeArm"}) {
+      const std::size_t at = bvh.find(fmt::format("JOINT {}\n", hand));
+      bvh.replace(at, std::string("JOINT ").size() + std::string(hand).size(),
+                  fmt::format("JOINT Prop{}", at));
     }
-    const auto inspection = Inspect(bvh);
-    if (!inspection.problems.empty()) {
-      CHECK_THAT(inspection.mapping_file, Catch::Contains("LKnee = \"LeftLeg\"  # confidence"));
+    const auto inspection = Inspect(bvh, {.metres_per_unit = 0.01, .up_axis = core::UpAxis::kY});
+    INFO(inspection.mapping_file);
+    if (inspection.problems.empty()) {  // found by the structure
+      CHECK_THAT(inspection.mapping_file, Catch::Contains("LElbow = 1 Prop"));
+    } else {
+      CHECK_THAT(inspection.mapping_file, Catch::Contains("LKnee = \"LeftLeg\""));
     }
+  }
+  SECTION("a given leg length and a frame rate that ingest refuses") {
+    const std::string bvh = HumanoidBvh(100, 20);
+    const auto inspection =
+        core::InspectMotion(core::FileFormat::kBvh, {"a.bvh", bvh}, std::nullopt, {}, 85);
+    REQUIRE(inspection.ok());
+    REQUIRE(!inspection->problems.empty());
+    CHECK_THAT(inspection->problems[0], Catch::Contains("85 cm are 0.85 m"));
+    std::string slow = bvh;
+    slow.replace(slow.find("0.0333333"), 9, "5");
+    const auto problems = Inspect(slow).problems;
+    REQUIRE(problems.size() == 1);
+    CHECK_THAT(problems[0], Catch::Contains("at least 1.875 Hz"));
   }
 }
 

@@ -52,6 +52,15 @@ std::pair<double, double> Errors(const core::MarkerMapping& mapping, const core:
   return {medians[medians.size() / 2], medians.back()};
 }
 
+std::string RolesText(const core::PointCloud& points) {
+  std::string text;
+  for (const core::FoundRole& found : core::FindRoles(points)) {
+    text += fmt::format("{:14} {:24} {:.2f}\n", found.role, points.names[found.point],
+                        found.confidence);
+  }
+  return text;
+}
+
 TEST_CASE("MapFigure: published skeletons and labelled points of many tools", "[core][mapping]") {
   MOTIONDB_REQUIRE_DATA();
   const core::MarkerScheme& scheme = core::StandardScheme();
@@ -72,7 +81,7 @@ TEST_CASE("MapFigure: published skeletons and labelled points of many tools", "[
       ++count;
       const core::PointCloud points = PointsOf(convention, bodies);
       const auto found = core::MapAutomatically(scheme.set, points);
-      INFO(found.status().ToString() << '\n' << core::DraftMapping(scheme.set, points));
+      INFO(found.status().ToString() << '\n' << RolesText(points));
       bool is_supported = found.ok();
       if (is_supported) {
         const auto [median, maximum] = Errors(found->mapping, points, bodies, leg);

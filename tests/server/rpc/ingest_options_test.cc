@@ -232,6 +232,20 @@ TEST_CASE("IngestClip: replace by id, with new labels, and without a stored clip
   }
 }
 
+TEST_CASE("IngestClip: replace does not take a motion for a clip with another id",
+          "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  v1::IngestClipHeader header = Header("walk.bvh");
+  header.set_clip_id("run");
+  Ingested(server, header);
+  header.set_clip_id("walk");
+  header.set_replace(true);
+  CHECK(server.Ingest(header, WriteBvh({})).error_code() == StatusCode::ALREADY_EXISTS);
+  header.set_clip_id("run");
+  CHECK(Ingested(server, header).clip().name() == "databases/db/clips/run");
+}
+
 TEST_CASE("IngestClip: a body that no person has needs force", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");

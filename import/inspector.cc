@@ -1,0 +1,88 @@
+#include "import/inspector.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/motion/error.h"
+#include "import/input_bytes.h"
+
+namespace motiondb::importer {
+
+absl::Status Inspector::Run(std::istream& requests) {
+  std::string line;
+  for (int index = 0; std::getline(requests, line); ++index) {
+    while (static_cast<int>(jobs_.size()) >= options_.jobs) {
+      MOTIONDB_RETURN_IF_ERROR(AwaitOne());
+    }
+    MOTIONDB_RETURN_IF_ERROR(Begin(index, line));
+  }
+  while (!jobs_.empty()) MOTIONDB_RETURN_IF_ERROR(AwaitOne());
+  return absl::OkStatus();
+}
+
+absl::Status Inspector::Answer(int index, const std::string& file, const std::string& result) {
+  const std::string line = AnswerLine(index, file, result);
+  const bool is_written =
+      std::fwrite(line.data(), 1, line.size(), output_) == line.size() && std::fflush(output_) == 0;
+  return is_written ? absl::OkStatus() : absl::UnavailableError("the output cannot be written");
+}
+
+absl::Status Inspector::Begin(int index, const std::string& line) {
+  const auto request = ParseInspectRequest(line);
+  if (!request.ok()) return Answer(index, "", InspectionJson(request.status()));
+  const absl::Status started = Start(index, *request);
+  if (started.ok() || absl::IsUnavailable(started)) return started;
+  return Answer(index, request->file, InspectionJson(started));
+}
+
+absl::Status Inspector::Start(int index, const InspectRequest& request) {
+  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat format, core::FormatOfPath(request.file));
+  MOTIONDB_ASSIGN_OR_RETURN(const InputBytes file,
+                            InputBytes::Open(request.file, options_.max_file_bytes));
+  InputBytes skeleton;
+  if (!request.skeleton.empty()) {
+    auto opened = InputBytes::Open(request.skeleton, options_.max_file_bytes);
+    if (!opened.ok()) {
+      return core::InvalidArgument("{}: {}", request.skeleton,
+                                   std::string(opened.status().message()));
+    }
+    skeleton = *std::move(opened);
+  }
+  const auto work = [&] {
+    std::optional<core::SourceFile> of_skeleton;
+    if (!request.skeleton.empty()) of_skeleton = {request.skeleton, skeleton.bytes()};
+    return InspectionJson(core::InspectMotion(format, {request.file, file.bytes()}, of_skeleton,
+                                              request.given, request.leg_length_m));
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(Child child,
+                            Child::Start(work, options_.limits, options_.is_sandboxed));
+  jobs_.push_back({index, request.file, std::move(child)});
+  return absl::OkStatus();
+}
+
+absl::Status Inspector::AwaitOne() {
+  while (true) {
+    std::vector<pollfd> ready;
+    ready.reserve(jobs_.size());
+    for (const Job& job : jobs_) ready.push_back({job.child.descriptor(), POLLIN, 0});
+    constexpr int kPollMilliseconds = 100;  // so that an overdue child is noticed
+    poll(ready.data(), ready.size(), kPollMilliseconds);
+    auto state = ready.begin();
+    for (auto job = jobs_.begin(); job != jobs_.end(); ++job, ++state) {
+      const bool is_readable = (state->revents & (POLLIN | POLLHUP | POLLERR)) != 0;
+      if (!job->child.Step(is_readable)) continue;
+      Job ended = std::move(*job);
+      jobs_.erase(job);
+      const auto output = ended.child.Finish();
+      if (absl::IsUnavailable(output.status())) return output.status();
+      return Answer(ended.index, ended.file,
+                    output.ok() ? *output : InspectionJson(output.status()));
+    }
+  }
+}
+
+}  // namespace motiondb::importer

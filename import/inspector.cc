@@ -40,9 +40,9 @@ absl::Status Inspector::Begin(int index, const std::string& line) {
 }
 
 absl::Status Inspector::Start(int index, const InspectRequest& request) {
-  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat format, core::FormatOfPath(request.file));
   MOTIONDB_ASSIGN_OR_RETURN(const InputBytes file,
                             InputBytes::Open(request.file, options_.max_file_bytes));
+  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat format, core::FormatOfPath(request.file));
   InputBytes skeleton;
   if (!request.skeleton.empty()) {
     auto opened = InputBytes::Open(request.skeleton, options_.max_file_bytes);

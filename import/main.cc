@@ -1,9 +1,11 @@
 // motiondb-import: reads motion files that may be malicious, each in a process of its own with
 // limits on memory, time and system calls. `motiondb inspect` runs it.
 #include <fmt/format.h>
+#include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <thread>
@@ -17,7 +19,7 @@ struct Options {
   int jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   int max_memory_mib = 2048;
   int max_cpu_seconds = 30;
-  int max_file_mib = 256;
+  int max_file_mib = 64;  // as the server
   bool no_sandbox = false;
 };
 
@@ -47,6 +49,7 @@ int Main(int argc, char** argv) {
                               "one line each"),
           options);
   CLI11_PARSE(app, argc, argv);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // with `motiondb`, also if that is killed
   const InspectorOptions inspector{
       .jobs = options.jobs,
       .limits = {.memory_bytes = std::int64_t{options.max_memory_mib} << 20,

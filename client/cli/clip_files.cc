@@ -37,7 +37,7 @@ absl::Status AddMotionFiles(const fs::path& folder, std::vector<fs::path>& files
     if (path.filename().string().starts_with('.')) continue;
     std::error_code ignored;
     if (!entry->is_directory(ignored)) {
-      if (IsMotionFile(path)) files.push_back(path);
+      if (IsMotionFile(path) && entry->is_regular_file(ignored)) files.push_back(path);
     } else if (!entry->is_symlink(ignored)) {
       if (const absl::Status status = AddMotionFiles(path, files); !status.ok()) return status;
     }

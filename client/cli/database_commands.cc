@@ -80,7 +80,7 @@ absl::Status SetMarkerSet(const std::string& given, v1::Database& database) {
     database.set_marker_set(given);
     return absl::OkStatus();
   }
-  auto text = ReadFileBytes(given);
+  auto text = ReadTextFile(given);
   if (!text.ok()) {
     return absl::Status(text.status().code(),
                         fmt::format("--marker-set: expected standard34, source or a file; {}",

@@ -194,6 +194,13 @@ absl::Status Run(const InspectOptions& options, const GlobalOptions& global) {
                             "--plot and --write-mapping need one file, got {}", files->size())),
                         kWrongUsage);
   }
+  for (const std::string& output : {options.plot, options.write_mapping}) {
+    std::error_code ignored;
+    if (output.empty() || !std::filesystem::equivalent(output, files->front(), ignored)) continue;
+    return WithExitCode(
+        absl::InvalidArgumentError(fmt::format("{} is the inspected file itself", output)),
+        kWrongUsage);
+  }
   Inspections inspections(*std::move(files), options, global.json);
   const absl::Status status = inspections.Run();
   return status.ok() ? inspections.Summary() : status;

@@ -54,7 +54,7 @@ void DeclareAdd(CLI::App& command, MappingOptions& options) {
 }
 
 absl::Status RunAdd(const MappingOptions& options, const GlobalOptions& global) {
-  auto text = ReadFileBytes(options.file);
+  auto text = ReadTextFile(options.file);
   if (!text.ok()) return text.status();
   const auto client = Connect(global);
   if (!client.ok()) return client.status();

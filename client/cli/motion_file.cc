@@ -8,6 +8,7 @@
 
 #include "client/cli/command.h"
 #include "client/input_file.h"
+#include "text/utf8.h"
 
 namespace motiondb::client {
 namespace {
@@ -104,6 +105,12 @@ absl::StatusOr<fs::path> SkeletonFor(const fs::path& file, const fs::path& given
 
 absl::StatusOr<std::string> ReadFileBytes(const fs::path& path) {
   return ReadWholeFile(path, static_cast<size_t>(ClientOptions().max_send_bytes));
+}
+
+absl::StatusOr<std::string> ReadTextFile(const fs::path& path) {
+  auto text = ReadFileBytes(path);
+  if (!text.ok() || text::IsUtf8(*text)) return text;
+  return absl::InvalidArgumentError(fmt::format("{}: is not UTF-8 text", path.string()));
 }
 
 absl::StatusOr<v1::Observation> ObservationFromFile(const fs::path& file,

@@ -50,6 +50,9 @@ absl::StatusOr<std::filesystem::path> SkeletonFor(const std::filesystem::path& f
 // the maximum of a message, 64 MiB. UNKNOWN: it cannot be read.
 absl::StatusOr<std::string> ReadFileBytes(const std::filesystem::path& path);
 
+// As ReadFileBytes, for a file that the server stores as text. INVALID_ARGUMENT if it is not UTF-8.
+absl::StatusOr<std::string> ReadTextFile(const std::filesystem::path& path);
+
 // Returns an observation with the contents of the file and of its skeleton file.
 absl::StatusOr<v1::Observation> ObservationFromFile(const std::filesystem::path& file,
                                                     const SourceOptions& options);

@@ -189,8 +189,9 @@ class Reader {
   absl::Status ReadMapping(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 2, "mapping NAME"));
     MOTIONDB_RETURN_IF_ERROR(FinishMapping());
-    if (extends_only_ && tokens[1].text.empty()) {
-      return InvalidArgument("expected a mapping name that is not empty");
+    constexpr std::size_t kMaxNameBytes = 255;
+    if (extends_only_ && (tokens[1].text.empty() || tokens[1].text.size() > kMaxNameBytes)) {
+      return InvalidArgument("expected a mapping name of 1 to {} bytes", kMaxNameBytes);
     }
     if (extends_only_ && HasMapping(tokens[1].text)) {
       return InvalidArgument("expected unique mappings, got '{}' twice", tokens[1].text);

@@ -112,7 +112,8 @@ absl::Status CheckFrameRate(double frame_rate_hz, double database_rate_hz) {
 
 absl::Status CheckGivenLegLength(double leg_length_m) {
   if (IsPersonLeg(leg_length_m)) return absl::OkStatus();
-  const auto unit = UnitOfLeg(leg_length_m);
+  auto unit = UnitOfLeg(leg_length_m);
+  if (unit && unit->name == kUnits.back().name) unit.reset();  // only of files
   const std::string probably = unit ? fmt::format("{} {} are {:.4g} m", leg_length_m, unit->name,
                                                   leg_length_m * unit->metres)
                                     : std::string("check the number");

@@ -26,10 +26,11 @@ constexpr MarkerOfRole kMarkers[] = {
 
 }  // namespace
 
-std::string DraftMapping(const MarkerSet& set, const PointCloud& points) {
+std::string DraftMapping(const MarkerSet& set, const PointCloud& points, const std::string& name) {
   const Figure figure = FindFigure(points);
   std::string text =
-      fmt::format("# A draft: complete the rules of all markers of {}.\nmapping draft\n", set.name);
+      fmt::format("# A draft: complete the rules of all markers of {}.\nmapping {}\n", set.name,
+                  QuotedName(name));
   for (const auto& [marker, role, has_sides] : kMarkers) {
     for (const Side side : {Side::kLeft, Side::kRight}) {
       if (!has_sides && side == Side::kRight) continue;

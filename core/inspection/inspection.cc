@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <variant>
 
 #include "core/format/marker_set_file.h"
@@ -51,6 +52,13 @@ PointCloud MiddleFrame(const Motion& motion) {
   return points;
 }
 
+// Returns the name of a file without folders and extension.
+std::string Stem(std::string_view path) {
+  path.remove_prefix(path.find_last_of('/') + 1);  // npos + 1 is 0
+  const std::string_view stem = path.substr(0, path.rfind('.'));
+  return std::string(stem.empty() ? "mapping" : stem);
+}
+
 std::string MappingFile(const std::string& lines) {
   return fmt::format("motiondb-marker-set 1\nextend {}\n{}", StandardScheme().set.name, lines);
 }
@@ -58,7 +66,7 @@ std::string MappingFile(const std::string& lines) {
 // Returns the scheme with the mapping that fits the motion, and describes it. Nothing if there is
 // none.
 std::optional<MarkerScheme> MapPoints(const Motion& motion, const PointCloud& points,
-                                      Inspection& inspection) {
+                                      const std::string& name, Inspection& inspection) {
   const MarkerScheme& standard = StandardScheme();
   if (const auto bound = BindMapping(standard, points.names); bound.ok()) {
     inspection.mapping = fmt::format("mapping '{}'", bound->name);
@@ -71,9 +79,10 @@ std::optional<MarkerScheme> MapPoints(const Motion& motion, const PointCloud& po
   auto scheme = FitScheme(standard, motion, FitFor::kClip, &inspection.mapping);
   if (!scheme.ok()) {
     inspection.problems.emplace_back(scheme.status().message());
-    inspection.mapping_file = MappingFile(DraftMapping(standard.set, points));
+    inspection.mapping_file = MappingFile(DraftMapping(standard.set, points, name));
     return std::nullopt;
   }
+  scheme->mappings.front().name = name;
   inspection.mapping_file = MappingFile(WriteMapping(scheme->set, scheme->mappings.front()));
   return *std::move(scheme);
 }
@@ -126,7 +135,7 @@ absl::StatusOr<Inspection> InspectMotion(FileFormat format, SourceFile file,
   }
   if (leg_length_m) AddProblem(CheckGivenLegLength(*leg_length_m), inspection);
   AddProblem(CheckFrameRate(inspection.frame_rate_hz, kUsualRate_hz), inspection);
-  const auto scheme = MapPoints(read.motion, points, inspection);
+  const auto scheme = MapPoints(read.motion, points, Stem(file.name), inspection);
   if (scheme) Measure(*scheme, read.motion, leg_length_m, inspection);
   return inspection;
 }

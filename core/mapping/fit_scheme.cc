@@ -3,6 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
+#include <string_view>
 
 #include "core/mapping/figure_mapping.h"
 #include "core/mapping/figure_search.h"
@@ -29,6 +31,15 @@ std::string LowestConfidence(const Figure& figure) {
     }
   }
   return text;
+}
+
+// Returns whether a mapping is meant for these points, even if one of its rules uses another one.
+bool HasFittingSignature(const MarkerScheme& scheme, const std::vector<std::string>& names) {
+  const std::set<std::string_view> known(names.begin(), names.end());
+  return std::ranges::any_of(scheme.mappings, [&](const MarkerMapping& mapping) {
+    return std::ranges::all_of(mapping.signature,
+                               [&](const std::string& name) { return known.contains(name); });
+  });
 }
 
 }  // namespace
@@ -74,7 +85,9 @@ absl::StatusOr<MarkerScheme> FitScheme(const MarkerScheme& scheme, const Motion&
   PointCloud points = SamplePoints(motion, 0);
   const auto bound = BindMapping(scheme, points.names);
   if (bound.ok()) return scheme;
-  if (scheme.set.name != kStandardSet) return bound.status();
+  if (scheme.set.name != kStandardSet || HasFittingSignature(scheme, points.names)) {
+    return bound.status();
+  }
   points = SamplePoints(motion);
   auto found = MapAutomatically(scheme.set, points);
   if (!found.ok()) {

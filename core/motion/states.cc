@@ -194,6 +194,11 @@ absl::StatusOr<RootPath> ReferenceFrames(const MarkerSet& set, const MarkerMotio
     path(t, 2) = heading;
     any = true;
   }
+  if (!any && std::ranges::find(placed, true) != placed.end()) {
+    return InvalidArgument(
+        "'{}' and '{}' are above each other in all frames: check the up axis (up_axis, --up-axis)",
+        set.markers[landmarks.left_hip], set.markers[landmarks.right_hip]);
+  }
   if (!any) {
     return InvalidArgument("no frame has both hips, '{}' and '{}': root and front are unknown",
                            set.markers[landmarks.left_hip], set.markers[landmarks.right_hip]);

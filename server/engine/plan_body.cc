@@ -1,6 +1,8 @@
 #include "core/kinematics/marker_kinematics.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
+#include "core/motion/marker_rules.h"
+#include "server/engine/ingest.h"
 #include "server/engine/plan_query.h"
 
 namespace motiondb::server {
@@ -60,6 +62,49 @@ absl::StatusOr<PlanBody> BodyOfClip(const std::string& clip, Engine& engine,
   return PlanBody{.skeleton = std::move(skeleton), .skeleton_id = record->skeleton_id};
 }
 
+// Returns the record of a clip with the skeleton; nothing if there is none.
+absl::StatusOr<std::optional<storage::ClipRecord>> FindClipOf(storage::MotionStore& store,
+                                                              const std::string& database,
+                                                              const std::string& skeleton_id) {
+  constexpr int kPage = 1000;
+  for (storage::Page page{"", kPage};;) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto clips, store.ListClips(database, page));
+    for (const storage::ClipRecord& clip : clips) {
+      if (clip.skeleton_id == skeleton_id) return clip;
+    }
+    if (std::ssize(clips) < kPage) return std::nullopt;
+    page.after = clips.back().id;
+  }
+}
+
+// Returns the motion of a clip with the body's skeleton, or the skeleton at rest.
+absl::StatusOr<core::Motion> MotionOf(const Query& query, const PlanBody& body) {
+  storage::MotionStore& store = query.engine().store();
+  const std::string& database = query.database()->name();
+  const core::Motion rest =
+      core::JointMotion{body.skeleton, 1, core::JointMatrix::Zero(1, body.skeleton->dof_count())};
+  if (body.skeleton_id.empty()) return rest;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto clip, FindClipOf(store, database, body.skeleton_id));
+  if (!clip) return rest;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto source, store.ReadClipSource(database, clip->id));
+  const core::SourceFile file{clip->file_name, source.file_bytes};
+  const auto skeleton = SkeletonFile(*clip, source.skeleton_bytes);
+  MOTIONDB_RETURN_IF_ERROR(
+      query.terms().Reserve(core::MaxBytesToRead(clip->format, file, skeleton)));
+  MOTIONDB_ASSIGN_OR_RETURN(auto read,
+                            core::ReadMotionFile(clip->format, file, skeleton, clip->given));
+  return std::move(read.motion);
+}
+
+// Returns the scheme with the mapping that the clips of the body have. An automatic one depends on
+// their motion.
+absl::StatusOr<core::MarkerScheme> FitBody(const Query& query, const core::MarkerScheme& scheme,
+                                           const PlanBody& body) {
+  if (core::BindMapping(scheme, core::JointNames(*body.skeleton)).ok()) return scheme;
+  MOTIONDB_ASSIGN_OR_RETURN(const core::Motion motion, MotionOf(query, body));
+  return core::FitScheme(scheme, motion, core::FitFor::kClip);
+}
+
 }  // namespace
 
 absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request,
@@ -91,10 +136,7 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
         field, "expected at most {} joints of {} degrees of freedom in all, got {} of {}",
         kMaxJoints, kMaxDofs, body->skeleton->joint_count(), body->skeleton->dof_count());
   }
-  // As clips of the skeleton are mapped.
-  const core::JointMotion still{body->skeleton, 1,
-                                core::JointMatrix::Zero(1, body->skeleton->dof_count())};
-  auto fitted = core::FitScheme(scheme, still, core::FitFor::kClip);
+  auto fitted = FitBody(query, scheme, *body);
   if (!fitted.ok()) return AtField(field, fitted.status());
   body->scheme = *std::move(fitted);
   const absl::Status fits = core::MarkerKinematics::Create(body->scheme, body->skeleton).status();

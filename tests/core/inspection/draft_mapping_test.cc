@@ -12,8 +12,8 @@ TEST_CASE("DraftMapping: rules of what was found, comments for the rest", "[core
   points.names = {"pole", "left \"knee\""};
   points.parents = {-1, 0};
   points.frames.emplace_back(Eigen::Matrix3Xd::Zero(3, 2));
-  const std::string draft = core::DraftMapping(core::StandardScheme().set, points);
-  CHECK_THAT(draft, Catch::StartsWith("# A draft") && Catch::Contains("\nmapping draft\n") &&
+  const std::string draft = core::DraftMapping(core::StandardScheme().set, points, "my rig");
+  CHECK_THAT(draft, Catch::StartsWith("# A draft") && Catch::Contains("\nmapping \"my rig\"\n") &&
                         Catch::Contains("# LWrist = ?\n"));
   // Without rules it is a file in the right format that says what is missing.
   const auto read =

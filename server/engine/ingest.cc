@@ -158,8 +158,8 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
     absl::Status plausible = core::CheckBodySize(scheme->set, *states, source->report);
     if (plausible.ok()) plausible = core::CheckPosture(scheme->set, *states, source->report);
     if (!plausible.ok()) {
-      absl::Status named = core::InvalidArgument("{}: {}", clip.record.file_name,
-                                                 std::string(plausible.message()));
+      absl::Status named =
+          core::InvalidArgument("{}: {}", clip.record.file_name, std::string(plausible.message()));
       plausible.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
         named.SetPayload(url, payload);
       });

@@ -124,7 +124,10 @@ absl::Status CheckGivenLegLength(double leg_length_m) {
 absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
                            const SourceReport& report) {
   if (set.landmarks.legs.empty()) return absl::OkStatus();
-  const double leg_length_m = MeasuredLeg(set, states);
+  return CheckMeasuredLeg(MeasuredLeg(set, states), report);
+}
+
+absl::Status CheckMeasuredLeg(double leg_length_m, const SourceReport& report) {
   if (IsPersonLeg(leg_length_m)) return absl::OkStatus();
   const auto unit = UnitOfLeg(leg_length_m / report.metres_per_unit);
   std::string option;

@@ -24,7 +24,10 @@ absl::Status CheckFrameRate(double frame_rate_hz, double database_rate_hz);
 absl::Status CheckGivenLegLength(double leg_length_m);
 
 // Returns INVALID_ARGUMENT, with the unit that was probably intended, for legs shorter than
-// kMinPersonLeg_m or longer than kMaxPersonLeg_m, measured in the states: a given leg length does
+// kMinPersonLeg_m or longer than kMaxPersonLeg_m, as measured. `report`: of the file.
+absl::Status CheckMeasuredLeg(double leg_length_m, const SourceReport& report);
+
+// As CheckMeasuredLeg, for legs measured in the states: a given leg length does
 // not hide a wrong unit. OK for a set without legs. `report`: of the file.
 absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
                            const SourceReport& report);

@@ -8,6 +8,7 @@
 #include "core/motion/error.h"
 #include "core/motion/floor_origin.h"
 #include "core/motion/frame_state.h"
+#include "core/motion/marker_rules.h"
 #include "core/motion/reference_pose.h"
 
 namespace motiondb::core {
@@ -128,6 +129,25 @@ absl::StatusOr<double> RestLegLength(const MarkerScheme& scheme, const JointMoti
   // Offsets scale with the result, so measure without them.
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion markers, ApplyScheme(scheme, rest, 0.0));
   return EstimateLegLength(scheme.set, markers);
+}
+
+// Returns INVALID_ARGUMENT, naming the source marker, if a marker of the set is missing in all
+// frames because a source marker is.
+absl::Status CheckSourceMarkers(const MarkerScheme& scheme, const MarkerMotion& source,
+                                const MarkerMotion& mapped) {
+  const auto is_missing = [](const MarkerMotion& motion, int marker) {
+    return motion.positions_m.col(3 * marker).array().isNaN().all();
+  };
+  for (int m = 0; m < scheme.set.marker_count(); ++m) {
+    if (!is_missing(mapped, m)) continue;
+    MOTIONDB_ASSIGN_OR_RETURN(const BoundMapping mapping, BindMapping(scheme, source.names));
+    for (const auto& [point, weight] : mapping.rules[m].points) {
+      if (!is_missing(source, point) || source.names[point] == mapped.names[m]) continue;
+      return InvalidArgument("'{}' is missing in all {} frames, so marker '{}' is",
+                             source.names[point], source.positions_m.rows(), mapped.names[m]);
+    }
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -272,6 +292,9 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   }
   MOTIONDB_RETURN_IF_ERROR(CheckPositions(origin, mapped));
   if (cleaning) {
+    if (const auto* const markers = std::get_if<MarkerMotion>(&motion)) {
+      MOTIONDB_RETURN_IF_ERROR(CheckSourceMarkers(scheme, *markers, mapped));
+    }
     MOTIONDB_ASSIGN_OR_RETURN(const auto filled, FillGaps(kMaxGapSeconds, mapped));
     found.insert(found.end(), filled.begin(), filled.end());
   }

@@ -167,4 +167,32 @@ TEST_CASE("Represent: the leg length of markers at hips, knees and ankles is wit
   }
 }
 
+TEST_CASE("Represent: names the source marker that no frame has", "[core][motion]") {
+  core::MarkerMotion motion;
+  motion.names = {"lhip", "rhip", "lknee", "rknee", "lfoot", "rfoot"};
+  motion.frame_rate_hz = 60;
+  motion.positions_m = core::FrameMatrix::Zero(4, 18);
+  for (int m = 0; m < 6; ++m) {
+    motion.positions_m.col(3 * m + 1).setConstant(m % 2 == 0 ? 0.1F : -0.1F);
+    motion.positions_m.col(3 * m + 2).setConstant(0.8F - 0.4F * static_cast<float>(m / 2));
+  }
+  CHECK(core::Represent(Mixed(), motion, 60, core::GlitchPolicy::kKeep).ok());
+  motion.positions_m.middleCols<3>(12).setConstant(std::nanf(""));
+  const auto states = core::Represent(Mixed(), motion, 60, core::GlitchPolicy::kKeep);
+  CHECK(states.status().message() == "'lfoot' is missing in all 4 frames, so marker 'LKnee' is");
+}
+
+TEST_CASE("Represent: hips above each other are a sign of wrong axes", "[core][motion]") {
+  core::MarkerMotion motion;
+  motion.names = {"lhip", "rhip", "lknee", "rknee", "lfoot", "rfoot"};
+  motion.frame_rate_hz = 60;
+  motion.positions_m = core::FrameMatrix::Zero(4, 18);
+  for (int m = 0; m < 6; ++m) {
+    motion.positions_m.col(3 * m + 2).setConstant(m % 2 == 0 ? 0.1F : -0.1F);
+    motion.positions_m.col(3 * m).setConstant(0.8F - 0.4F * static_cast<float>(m / 2));
+  }
+  const auto states = core::Represent(AtJoints(), motion, 60, core::kObservation);
+  CHECK_THAT(std::string(states.status().message()), Catch::Contains("--up-axis"));
+}
+
 }  // namespace motiondb::tests::leg_length_test

@@ -293,5 +293,16 @@ TEST_CASE("Recognize: a file with a body that no person has needs force", "[serv
   CHECK(forced.ok());
 }
 
+TEST_CASE("Represent: a file with a body that no person has needs force", "[server][rpc]") {
+  const auto stub = TrainedServer().NewStub<v1::ObserveService>();
+  auto request = RequestFor<v1::RepresentRequest>("db");
+  auto& given = *request.mutable_observation()->mutable_file()->mutable_conventions();
+  given.set_metres_per_unit(1);
+  CheckRefused(Ask(*stub, &v1::ObserveService::Stub::Represent, request).status, "observation.file",
+               "the legs would be 82 m long");
+  given.set_force(true);
+  CHECK(Ask(*stub, &v1::ObserveService::Stub::Represent, request).status.ok());
+}
+
 }  // namespace
 }  // namespace motiondb::tests::ingest_options_test

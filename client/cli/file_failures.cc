@@ -95,7 +95,10 @@ void PrintFailures(const std::vector<FileFailure>& failures) {
       PrintError(first.path.string() + first.detail);
       continue;
     }
-    PrintError(fmt::format("{} files; the first: {}", group.size(), ReasonOf(first)));
+    const bool is_one_text = std::ranges::all_of(
+        group, [&](const FileFailure* failure) { return ReasonOf(*failure) == ReasonOf(first); });
+    PrintError(fmt::format("{} files{} {}", group.size(),
+                           is_one_text ? ":" : "; the first:", ReasonOf(first)));
     const std::size_t shown = std::min(group.size(), kPathsOfGroup);
     for (std::size_t i = 0; i < shown; ++i) {
       fmt::print(stderr, "    {}\n", text::SafeText(group[i]->path.string()));

@@ -210,7 +210,7 @@ TEST_CASE("motiondb ingest: failures with the same reason are printed together",
   const auto result = RunMotiondb(server.address(), arguments);
   CHECK(result.exit_code == 1);
   CHECK(result.out == "");
-  std::string expected = "motiondb: 7 files: a leg of 0.5 m, 25.4 m per unit\n";
+  std::string expected = "motiondb: 7 files; the first: a leg of 0.5 m, 25.4 m per unit\n";
   for (const int i : {0, 1, 2, 4, 5}) expected += "    " + arguments[2 + i] + "\n";
   expected += "    ... and 2 more\n";
   expected += "motiondb: " + arguments[2 + 3] + ":3: expected CHANNELS 3, got 2\n";

@@ -79,6 +79,9 @@ grep -q run "$work/answer" || fail "recognize did not find the stored motion"
 kill "$server"
 wait "$server" || fail "motiondbd did not shut down cleanly"
 server=
+# The program that it runs is in the package, too. The file has legs only, so it is rejected.
+enter_root "$root" motiondb inspect /tmp/walk.bvh >"$work/inspected" 2>&1 || true
+grep -q "^duration  *6 s" "$work/inspected" || { cat "$work/inspected" >&2; fail "inspect"; }
 
 echo "== documentation, manual pages, completion, unit"
 for page in README.md docs/operations.md docs/command_line.md; do

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <iostream>
 #include <thread>
 
@@ -65,4 +66,11 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace motiondb::importer
 
-int main(int argc, char** argv) { return motiondb::importer::Main(argc, argv); }
+int main(int argc, char** argv) {
+  try {
+    return motiondb::importer::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "motiondb-import: %s\n", error.what());
+    return 1;
+  }
+}

@@ -6,6 +6,7 @@
 #include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/query_message.h"
+#include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {

@@ -29,8 +29,8 @@ absl::Status Plan(const v1::PlanRequest& request, v1::PlanResponse& response) {
   const core::PlanControl control{.cancelled = cancelled,
                                   .time_up = [&] { return ++search_steps > kSearchSteps; }};
   server::PlanResult result{.body = prepared.body};
-  MOTIONDB_ASSIGN_OR_RETURN(
-      result.answer, core::PlanMotion(query.model(), *prepared.scheme, prepared.problem, control));
+  MOTIONDB_ASSIGN_OR_RETURN(result.answer, core::PlanMotion(query.model(), prepared.body.scheme,
+                                                            prepared.problem, control));
   return server::SetPlan(result, "db", query.model(), request.include_files(), cancelled, response);
 }
 

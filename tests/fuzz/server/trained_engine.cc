@@ -22,7 +22,7 @@ void Ingest(TrainedEngine& trained, const std::string& name, const StickFigure& 
   clip.file_bytes = WriteBvh(figure);
   const auto in_flight = trained.engine->BeginIngest(trained.database);
   CheckContract(in_flight.ok(), "an ingest begins");
-  CheckContract(trained.engine->Ingest(trained.database, std::move(clip), {}).ok(),
+  CheckContract(trained.engine->Ingest(trained.database, {std::move(clip)}, {}).ok(),
                 "a figure is stored");
 }
 

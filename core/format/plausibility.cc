@@ -40,25 +40,23 @@ std::optional<Unit> UnitOfLeg(double leg_units) {
   return best;
 }
 
-// Returns the median length (m) of the legs in the states; the given one if they are never whole.
-double MeasuredLeg(const MarkerSet& set, const StateSequence& states) {
+// Returns the median length of the whole legs; nothing if no frame has a whole leg. `at(frame,
+// marker)`: a position.
+template <typename At>
+std::optional<double> MedianLeg(const MarkerSet& set, int frame_count, const At& at) {
   constexpr int kSampledFrames = 200;
-  const int step = std::max(1, states.frame_count() / kSampledFrames);
+  const int step = std::max(1, frame_count / kSampledFrames);
   std::vector<double> lengths;
-  for (int t = 0; t < states.frame_count(); t += step) {
-    const auto distance = [&](int a, int b) -> double {
-      return (states.states.row(t).segment<3>(6 * a) - states.states.row(t).segment<3>(6 * b))
-          .norm();
-    };
+  for (int t = 0; t < frame_count; t += step) {
     for (const auto& [hip, knee, ankle] : set.landmarks.legs) {
-      const double length = distance(hip, knee) + distance(knee, ankle);
+      const double length = (at(t, hip) - at(t, knee)).norm() + (at(t, knee) - at(t, ankle)).norm();
       if (std::isfinite(length)) lengths.push_back(length);
     }
   }
-  if (lengths.empty()) return states.leg_length_m;
+  if (lengths.empty()) return std::nullopt;
   const auto middle = lengths.begin() + std::ssize(lengths) / 2;
   std::ranges::nth_element(lengths, middle);
-  return *middle * states.leg_length_m;
+  return *middle;
 }
 
 absl::Status WithOption(const std::string& option, absl::Status status) {
@@ -123,8 +121,19 @@ absl::Status CheckGivenLegLength(double leg_length_m) {
 
 absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
                            const SourceReport& report) {
-  if (set.landmarks.legs.empty()) return absl::OkStatus();
-  return CheckMeasuredLeg(MeasuredLeg(set, states), report);
+  const auto leg = MedianLeg(set, states.frame_count(), [&](int frame, int marker) {
+    return states.states.row(frame).segment<3>(6 * marker);
+  });
+  return leg ? CheckMeasuredLeg(*leg * states.leg_length_m, report) : absl::OkStatus();
+}
+
+absl::Status CheckBodySize(const MarkerSet& set, const MarkerMotion& motion,
+                           const SourceReport& report) {
+  const auto frames = static_cast<int>(motion.positions_m.rows());
+  const auto leg_m = MedianLeg(set, frames, [&](int frame, int marker) {
+    return motion.positions_m.row(frame).segment<3>(3 * marker);
+  });
+  return leg_m ? CheckMeasuredLeg(*leg_m, report) : absl::OkStatus();
 }
 
 absl::Status CheckMeasuredLeg(double leg_length_m, const SourceReport& report) {

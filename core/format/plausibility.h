@@ -27,9 +27,11 @@ absl::Status CheckGivenLegLength(double leg_length_m);
 // kMinPersonLeg_m or longer than kMaxPersonLeg_m, as measured. `report`: of the file.
 absl::Status CheckMeasuredLeg(double leg_length_m, const SourceReport& report);
 
-// As CheckMeasuredLeg, for legs measured in the states: a given leg length does
-// not hide a wrong unit. OK for a set without legs. `report`: of the file.
+// As CheckMeasuredLeg, for legs measured in states or positions: a given leg length does not hide a
+// wrong unit. OK if no frame has a whole leg: an estimate from other markers says nothing.
 absl::Status CheckBodySize(const MarkerSet& set, const StateSequence& states,
+                           const SourceReport& report);
+absl::Status CheckBodySize(const MarkerSet& set, const MarkerMotion& motion,
                            const SourceReport& report);
 
 // Returns INVALID_ARGUMENT, with the up axis that was probably intended, if the body lies or is

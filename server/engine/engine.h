@@ -92,9 +92,8 @@ class Engine {
   absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> BeginIngest(
       const std::shared_ptr<LiveDatabase>& database);
   // See IngestClip. Also returns the rebuild that will add the clip to the model; empty for
-  // validate_only. CANCELLED also if
-  // the change was stored but the rebuild was not yet requested, here and in DeleteClip; the
-  // rebuild is then requested in the background.
+  // validate_only. CANCELLED also if the change was stored but the rebuild was not yet requested,
+  // here and in DeleteClip; the rebuild is then requested in the background.
   absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database,
                                   IngestRequest request, const WorkOptions& terms);
   // Returns the rebuild that removes the clip from the model. NOT_FOUND; UNAVAILABLE, here and in

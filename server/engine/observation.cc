@@ -160,12 +160,9 @@ absl::StatusOr<core::MarkerMotion> MarkersOf(const Observation& observation,
   if (!fitted.ok()) return core::AtField(observation.field, fitted.status());
   auto markers = core::ApplyScheme(*fitted, motion, observation.leg_length_m, terms.cancelled);
   if (!markers.ok()) return core::AtField(observation.field, markers.status());
-  if (read.checked_report && !scheme->set.landmarks.legs.empty()) {
-    const auto leg_length_m = core::EstimateLegLength(scheme->set, *markers);
-    if (leg_length_m.ok()) {
-      MOTIONDB_RETURN_IF_ERROR(core::AtField(
-          observation.field, core::CheckMeasuredLeg(*leg_length_m, *read.checked_report)));
-    }
+  if (read.checked_report) {
+    MOTIONDB_RETURN_IF_ERROR(core::AtField(
+        observation.field, core::CheckBodySize(scheme->set, *markers, *read.checked_report)));
   }
   return markers;
 }

@@ -80,7 +80,7 @@ std::string PostureRefusal(const std::vector<Body>& bodies, UpAxis up = UpAxis::
 }
 
 absl::Status CheckLeg(double leg_length_m, const core::SourceReport& report) {
-  return core::CheckBodySize(StandardSet(), {.leg_length_m = leg_length_m}, report);
+  return core::CheckMeasuredLeg(leg_length_m, report);
 }
 
 // Returns `count` frames with a body, then `others` with another.
@@ -148,6 +148,10 @@ TEST_CASE("CheckBodySize: a given leg length does not hide a wrong unit", "[core
   states.states *= 100;  // read in metres, but the file is in centimetres
   CHECK_THAT(RefusalOf(core::CheckBodySize(set, states, {})),
              Contains("85 m long") && Contains("--metres-per-unit 0.01"));
+  // Without a whole leg, the leg length is an estimate from other markers.
+  put_down("LKnee", NAN);
+  put_down("RKnee", NAN);
+  CHECK(core::CheckBodySize(set, states, {}).ok());
 }
 
 TEST_CASE("CheckGivenLegLength: the error converts the length from the probable unit",

@@ -100,7 +100,7 @@ TEST_CASE("NodeAxis: equal frames have an axis", "[core][tree]") {
   }
 }
 
-TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree][data]") {
+TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree][data][slow]") {
   MOTIONDB_REQUIRE_DATA();
   for (const core::FrameMatrix& states :
        {LoadScaledStates("sets/database1.train.tsv", 60),

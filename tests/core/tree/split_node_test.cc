@@ -174,7 +174,7 @@ TEST_CASE("SplitNode: a tree of one node that a new build would split is stale",
 }
 
 TEST_CASE("SplitNode: a glitch of one recorded clip does not affect the tree of all",
-          "[core][tree][data]") {
+          "[core][tree][data][slow]") {
   MOTIONDB_REQUIRE_DATA();
   // 09_10 begins with its arms stretched out and jumps into its first step.
   const auto jogging = [](const ListedClip& clip) {  // the index has more columns
@@ -200,7 +200,7 @@ TEST_CASE("SplitNode: a glitch of one recorded clip does not affect the tree of 
 }
 
 TEST_CASE("SplitNode: recorded motion without outliers has the paper's tree",
-          "[core][tree][data]") {
+          "[core][tree][data][slow]") {
   MOTIONDB_REQUIRE_DATA();
   for (const double frame_rate_hz : {30.0, 60.0, 120.0}) {
     CAPTURE(frame_rate_hz);

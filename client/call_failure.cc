@@ -96,6 +96,13 @@ std::string ErrorReason(const absl::Status& status) {
   return Payload(status, kErrorInfoTypeUrl, info) ? info.reason() : "";
 }
 
+std::string ErrorMetadata(const absl::Status& status, const std::string& key) {
+  v1::ErrorInfo info;
+  if (!Payload(status, kErrorInfoTypeUrl, info)) return "";
+  const auto found = info.metadata().find(key);
+  return found == info.metadata().end() ? "" : found->second;
+}
+
 std::string RequestId(const absl::Status& status) {
   v1::RequestInfo info;
   return Payload(status, kRequestInfoTypeUrl, info) ? info.request_id() : "";

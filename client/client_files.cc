@@ -153,12 +153,21 @@ absl::Status Client::Connection::Export(const v1::ExportClipRequest& request,
   return status;
 }
 
+namespace {
+
+// Servers before 0.2 send only the names of original files, with the clip.
+const std::string& FileNameOf(const v1::ExportClipHeader& header) {
+  return header.file_name().empty() ? header.clip().file_name() : header.file_name();
+}
+
+}  // namespace
+
 absl::StatusOr<ExportedClip> Client::ExportClip(const v1::ExportClipRequest& request,
                                                 CallOptions options) const {
   ExportedClip clip;
   ExportSink sink;
   sink.on_header = [&](const v1::ExportClipHeader& header) {
-    clip.file_name = header.clip().file_name();
+    clip.file_name = FileNameOf(header);
     clip.skeleton_file_name = header.skeleton_file_name();
     return absl::OkStatus();
   };
@@ -189,7 +198,8 @@ absl::StatusOr<v1::ExportClipHeader> Client::ExportClipToDirectory(
   ExportSink sink;
   sink.on_header = [&](const v1::ExportClipHeader& received) -> absl::Status {
     header = received;
-    const std::string& name = header.clip().file_name();
+    header.set_file_name(FileNameOf(received));
+    const std::string& name = header.file_name();
     const absl::Status opened = file.Open(directory, name);
     if (!opened.ok() || header.skeleton_file_name().empty()) return opened;
     if (header.skeleton_file_name() == name) {

@@ -10,6 +10,8 @@ build=(
   libssl-dev       # tokens: random bytes and hashes; checksums of backups; the listener's TLS
   libnghttp2-dev   # HTTP/2 listener: gRPC 1.51 of Debian does not bound the memory of a connection
   libseccomp-dev   # motiondb-import: system calls of a process that reads a file of unknown origin
+  libassimp-dev    # motiondb-import reads FBX, glTF and Collada
+  libzip-dev       # motiondb-import reads NPZ files, which are ZIP archives
   libtinyxml2-dev  # URDF files are XML
   libtomlplusplus-dev # the configuration file is TOML
   nlohmann-json3-dev # log lines as JSON, and the results of motiondb_eval
@@ -22,7 +24,6 @@ test=(
   catch2 clang-format
   assimp-testmodels  # real motion in BVH
   dart-doc           # two C3D captures
-  libassimp-dev      # an importer, which must read the BVH files that we write
   libbenchmark-dev   # Google Benchmark, for tests/bench
   libfaiss-dev       # nearest neighbours, the baseline of recognition
   libopenblas0-pthread # for FAISS: the reference BLAS is many times slower

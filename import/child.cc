@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <new>
@@ -22,6 +24,10 @@ namespace {
 constexpr int kOutOfMemory = 3;
 constexpr int kNoSandbox = 4;
 constexpr int kNotWritten = 5;
+constexpr int kException = 6;
+// The first byte of the output of a child in the sandbox: what follows may be in the hands of its
+// file.
+constexpr std::string_view kEntered = "+";
 
 bool WriteAll(int descriptor, std::string_view text) {
   while (!text.empty()) {
@@ -36,11 +42,13 @@ bool WriteAll(int descriptor, std::string_view text) {
 // Closes everything inherited but `output`, which becomes kOutputDescriptor: the terminal, the
 // parent's requests and answers, and the pipes of other children.
 bool KeepOnly(int output) {
+  if (output <= kOutputDescriptor) output = fcntl(output, F_DUPFD, kOutputDescriptor + 1);
   const int nothing = open("/dev/null", O_RDWR);
-  if (nothing < 0 || dup2(output, kOutputDescriptor) < 0) return false;
+  if (nothing < 0 || output < 0) return false;
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (dup2(nothing, standard) < 0) return false;
   }
+  if (dup2(output, kOutputDescriptor) < 0) return false;
   return close_range(kOutputDescriptor + 1, ~0U, 0) == 0;
 }
 
@@ -50,20 +58,31 @@ bool KeepOnly(int output) {
   // Handlers of the parent would make other system calls.
   for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV}) signal(fatal, SIG_DFL);
   if (!KeepOnly(output)) _exit(kNoSandbox);
+  // Conversions of times, as of the members of archives, then open no file of time zones.
+  setenv("TZ", "UTC0", 1);
+  tzset();
   if (is_sandboxed) {
     if (const absl::Status entered = EnterSandbox(limits); !entered.ok()) {
       WriteAll(kOutputDescriptor, std::string(entered.message()));
       _exit(kNoSandbox);
     }
   }
+  if (!WriteAll(kOutputDescriptor, kEntered)) _exit(kNotWritten);
   try {
     _exit(WriteAll(kOutputDescriptor, work()) ? 0 : kNotWritten);
   } catch (const std::bad_alloc&) {
     _exit(kOutOfMemory);
+  } catch (...) {
+    _exit(kException);  // the parent's objects must not be destroyed here
   }
 }
 
 }  // namespace
+
+bool OutputIsClosed() {
+  pollfd output{STDOUT_FILENO, 0, 0};
+  return poll(&output, 1, 0) > 0 && (output.revents & (POLLERR | POLLNVAL)) != 0;
+}
 
 Child::Child(pid_t process, int descriptor, const SandboxLimits& limits)
     : process_(process),
@@ -116,7 +135,7 @@ bool Child::Step(bool is_readable) {
   if (count < 0 && errno == EINTR) return false;
   if (count <= 0) return true;
   output_.append(block.data(), static_cast<std::size_t>(count));
-  return output_.size() > kMaxResultBytes;
+  return HasWrittenTooMuch();
 }
 
 int Child::AwaitEnd() {
@@ -127,7 +146,7 @@ int Child::AwaitEnd() {
     const pid_t ended = waitpid(process_, &status, WNOHANG);
     if (ended == process_) return status;
     if (ended < 0 && errno != EINTR) break;
-    if (IsOverdue() || output_.size() > kMaxResultBytes) {
+    if (IsOverdue() || HasWrittenTooMuch()) {
       kill(process_, SIGKILL);
       was_killed_ = true;
     } else {
@@ -142,9 +161,12 @@ int Child::AwaitEnd() {
 absl::StatusOr<std::string> Child::Finish() {
   const int status = AwaitEnd();
   process_ = -1;
-  if (output_.size() > kMaxResultBytes) {
+  const bool is_too_large = HasWrittenTooMuch();
+  const bool has_entered = output_.starts_with(kEntered);
+  if (has_entered) output_.erase(0, kEntered.size());
+  if (is_too_large) {
     return absl::ResourceExhaustedError(
-        fmt::format("the result is larger than {} MiB", kMaxResultBytes >> 20));
+        fmt::format("the result is larger than {} MiB", limits_.result_bytes >> 20));
   }
   if (was_killed_) {
     return absl::ResourceExhaustedError(
@@ -158,7 +180,8 @@ absl::StatusOr<std::string> Child::Finish() {
         return absl::ResourceExhaustedError(
             fmt::format("reading needs more than {} MiB of memory", limits_.memory_bytes >> 20));
       case kNoSandbox:
-        return absl::UnavailableError(fmt::format("no sandbox: {}", output_));
+        if (!has_entered) return absl::UnavailableError(fmt::format("no sandbox: {}", output_));
+        [[fallthrough]];
       default:
         return absl::InternalError(
             fmt::format("the reader failed with exit code {}", WEXITSTATUS(status)));

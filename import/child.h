@@ -4,8 +4,8 @@
 #include <sys/types.h>
 
 #include <chrono>
-#include <cstddef>
 #include <functional>
+#include <iterator>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -39,6 +39,7 @@ class Child {
  private:
   Child(pid_t process, int descriptor, const SandboxLimits& limits);
 
+  bool HasWrittenTooMuch() const { return std::ssize(output_) > limits_.result_bytes; }
   bool IsOverdue() const { return std::chrono::steady_clock::now() > deadline_; }
   // Returns the status of waitpid; kills the process at the deadline.
   int AwaitEnd();
@@ -51,7 +52,7 @@ class Child {
   bool was_killed_ = false;
 };
 
-// Maximum size of a result: a file has at most 2,000 joints or 65,535 markers.
-inline constexpr std::size_t kMaxResultBytes = std::size_t{32} << 20;
+// Whether the reader of standard output is gone, so that no answer is needed.
+bool OutputIsClosed();
 
 }  // namespace motiondb::importer

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <poll.h>
 
-#include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/inspection/inspection.h"
 #include "core/motion/error.h"
-#include "import/input_bytes.h"
+#include "import/inspection_json.h"
 
 namespace motiondb::importer {
 
@@ -32,31 +32,30 @@ absl::Status Inspector::Answer(int index, const std::string& file, const std::st
 }
 
 absl::Status Inspector::Begin(int index, const std::string& line) {
-  const auto request = ParseInspectRequest(line);
+  const auto request = ParseFileRequest(line);
   if (!request.ok()) return Answer(index, "", InspectionJson(request.status()));
   const absl::Status started = Start(index, *request);
   if (started.ok() || absl::IsUnavailable(started)) return started;
   return Answer(index, request->file, InspectionJson(started));
 }
 
-absl::Status Inspector::Start(int index, const InspectRequest& request) {
-  MOTIONDB_ASSIGN_OR_RETURN(const InputBytes file,
-                            InputBytes::Open(request.file, options_.max_file_bytes));
-  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat format, core::FormatOfPath(request.file));
-  InputBytes skeleton;
-  if (!request.skeleton.empty()) {
-    auto opened = InputBytes::Open(request.skeleton, options_.max_file_bytes);
-    if (!opened.ok()) {
-      return core::InvalidArgument("{}: {}", request.skeleton,
-                                   std::string(opened.status().message()));
-    }
-    skeleton = *std::move(opened);
-  }
+absl::Status Inspector::Start(int index, const FileRequest& request) {
+  MOTIONDB_ASSIGN_OR_RETURN(const RequestedFiles files,
+                            RequestedFiles::Open(request, options_.max_file_bytes));
   const auto work = [&] {
-    std::optional<core::SourceFile> of_skeleton;
-    if (!request.skeleton.empty()) of_skeleton = {request.skeleton, skeleton.bytes()};
-    return InspectionJson(core::InspectMotion(format, {request.file, file.bytes()}, of_skeleton,
-                                              request.given, request.leg_length_m));
+    auto read = files.Read(request, options_.max_plain_bytes);
+    std::string note;
+    if (read.status().GetPayload(core::kReasonUrl) == absl::Cord("TAKE_REQUIRED")) {
+      note = std::string(read.status().message()) + "; this is the first";
+      FileRequest first = request;
+      first.given.take = "1";
+      read = files.Read(first, options_.max_plain_bytes);
+    }
+    if (!read.ok()) return InspectionJson(read.status());
+    core::Inspection inspection =
+        core::InspectMotion(request.shown_name(), *read, request.leg_length_m);
+    if (!note.empty()) inspection.notes.push_back(std::move(note));
+    return InspectionJson(inspection);
   };
   MOTIONDB_ASSIGN_OR_RETURN(Child child,
                             Child::Start(work, options_.limits, options_.is_sandboxed));
@@ -71,6 +70,7 @@ absl::Status Inspector::AwaitOne() {
     for (const Job& job : jobs_) ready.push_back({job.child.descriptor(), POLLIN, 0});
     constexpr int kPollMilliseconds = 100;  // so that an overdue child is noticed
     poll(ready.data(), ready.size(), kPollMilliseconds);
+    if (OutputIsClosed()) return absl::UnavailableError("the output is closed");
     auto state = ready.begin();
     for (auto job = jobs_.begin(); job != jobs_.end(); ++job, ++state) {
       const bool is_readable = (state->revents & (POLLIN | POLLHUP | POLLERR)) != 0;

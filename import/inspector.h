@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 #include "import/child.h"
-#include "import/inspect_request.h"
+#include "import/file_request.h"
 
 namespace motiondb::importer {
 
@@ -16,6 +16,7 @@ struct InspectorOptions {
   int jobs = 2;  // files at the same time
   SandboxLimits limits;
   std::size_t max_file_bytes = std::size_t{64} << 20;
+  std::size_t max_plain_bytes = std::size_t{256} << 20;  // of a file after decompression
   bool is_sandboxed = true;
 };
 
@@ -39,7 +40,7 @@ class Inspector {
 
   absl::Status Begin(int index, const std::string& line);
   // Errors are those of the file, but UNAVAILABLE.
-  absl::Status Start(int index, const InspectRequest& request);
+  absl::Status Start(int index, const FileRequest& request);
   // Reads from the children until one has ended, and answers its request.
   absl::Status AwaitOne();
   absl::Status Answer(int index, const std::string& file, const std::string& result);

@@ -61,7 +61,7 @@ class Filter {
 
 absl::Status AllowOnlyComputing() {
   Filter filter;
-  if (!filter.is_made()) return SystemError("seccomp", ENOMEM);
+  if (!filter.is_made()) return absl::InternalError("seccomp is not available");
   // Memory, time, the signals of a failed assertion, and the end of the process.
   for (const int call :
        {SCMP_SYS(brk), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(futex),

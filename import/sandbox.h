@@ -10,6 +10,8 @@ namespace motiondb::importer {
 struct SandboxLimits {
   std::int64_t memory_bytes = std::int64_t{2} << 30;  // address space
   int cpu_seconds = 30;
+  // Of the result: an inspected file has at most 2,000 joints or 65,535 markers.
+  std::int64_t result_bytes = std::int64_t{32} << 20;
 };
 
 // The only file that a process in the sandbox can write, besides standard error.

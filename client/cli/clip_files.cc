@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "client/cli/motion_file.h"
+#include "client/cli/file_formats.h"
 
 namespace motiondb::client {
 
@@ -20,13 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 4> kMotionExtensions = {".bvh", ".amc", ".trc", ".c3d"};
 constexpr std::size_t kMaxInputBytes = std::size_t{64} << 20;
-
-bool IsMotionFile(const fs::path& file) {
-  return std::ranges::any_of(
-      kMotionExtensions, [&file](const char* extension) { return HasExtension(file, extension); });
-}
 
 // Appends the motion files below a folder.
 absl::Status AddMotionFiles(const fs::path& folder, std::vector<fs::path>& files) {
@@ -57,7 +51,7 @@ absl::Status AddFileOrFolder(const fs::path& path, std::vector<fs::path>& files)
   if (const absl::Status status = AddMotionFiles(path, below); !status.ok()) return status;
   if (below.empty()) {
     return absl::InvalidArgumentError(
-        fmt::format("{}: has no motion files (.bvh, .amc, .trc, .c3d)", path.string()));
+        fmt::format("{}: has no motion files ({})", path.string(), MotionExtensions()));
   }
   std::ranges::sort(below);
   std::ranges::move(below, std::back_inserter(files));

@@ -57,12 +57,14 @@ CLI::Validator TimeInSeconds();  // at least 0.001
 
 void AddAuditCommand(CommandLine line);
 void AddBackupCommand(CommandLine line);
+void AddConvertCommand(CommandLine line);
 void AddCreateCommand(CommandLine line);
 void AddDeleteCommand(CommandLine line);
 void AddDescribeCommand(CommandLine line);
 void AddDumpCommand(CommandLine line);
 void AddEstimateCommand(CommandLine line);
 void AddExportCommand(CommandLine line);
+void AddFormatsCommand(CommandLine line);
 void AddInspectCommand(CommandLine line);
 void AddIngestCommand(CommandLine line);
 void AddListCommand(CommandLine line);

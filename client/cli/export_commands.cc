@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "client/cli/command.h"
+#include "client/cli/file_formats.h"
 #include "client/cli/model_dump.h"
 #include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
@@ -68,6 +69,7 @@ namespace {
 struct ExportOptions {
   std::string database;
   std::string clip;
+  std::string as;
   std::string directory = ".";
   bool force = false;
 };
@@ -75,6 +77,12 @@ struct ExportOptions {
 void Declare(CLI::App& command, ExportOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
   command.add_option("CLIP", options.clip, "Clip, as in `motiondb list DB`")->required();
+  command
+      .add_option(
+          "--as", options.as,
+          "Write the stored motion in this format, from states and skeleton, as CLIP.FORMAT; "
+          "else the original files, byte for byte")
+      ->type_name(WrittenFormatNames());
   command.add_option("--out", options.directory, "Output folder, created if necessary")
       ->type_name("DIR")
       ->capture_default_str();
@@ -86,6 +94,11 @@ absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
   if (!client.ok()) return client.status();
   v1::ExportClipRequest request;
   request.set_name(ClipName(options.database, options.clip));
+  if (!options.as.empty()) {
+    const auto format = WrittenFormat(options.as);
+    if (!format.ok()) return WithExitCode(format.status(), kWrongUsage);
+    request.set_format(*format);
+  }
   const auto header = client->ExportClipToDirectory(request, options.directory, options.force);
   if (!header.ok()) return header.status();
   if (global.json) {
@@ -93,7 +106,8 @@ absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
     return absl::OkStatus();
   }
   const std::filesystem::path directory(options.directory);
-  PrintLine("{}", (directory / header->clip().file_name()).string());
+  PrintLine("{}", (directory / header->file_name()).string());
+  for (const std::string& note : header->notes()) PrintLine("note:  {}", note);
   if (!header->skeleton_file_name().empty()) {
     PrintLine("{}", (directory / header->skeleton_file_name()).string());
   }
@@ -103,8 +117,8 @@ absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddExportCommand(CommandLine line) {
-  AddCommand<ExportOptions>(line, "export", "Write a clip's original files, byte for byte", Declare,
-                            Run);
+  AddCommand<ExportOptions>(line, "export", "Write a clip's original files, or another format",
+                            Declare, Run);
 }
 
 }  // namespace motiondb::client

@@ -1,16 +1,19 @@
 #include "client/cli/ingest_batch.h"
 
 #include <fmt/format.h>
+#include <motiondb/call_error.h>
 #include <motiondb/v1/clip.pb.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "absl/status/status.h"
+#include "absl/strings/numbers.h"
 #include "client/call_failure.h"
 #include "client/cli/database_text.h"
 #include "client/cli/print.h"
@@ -49,15 +52,14 @@ absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
       bar->Show(static_cast<double>(i) / static_cast<double>(clips.size()),
                 FileProgressText(i, clips.size(), clip.path.filename().string(), passed.count()));
     }
-    const auto response = SendOne(clip);
-    if (response.ok()) {
+    const absl::Status sent = SendTakes(clip, [&](const v1::IngestClipResponse& response) {
       // Without lines between the files, the bar stays, so that it does not flicker.
       if (bar && settings_.output != IngestOutput::kSummary) bar->Clear();
-      Accept(*response);
-      continue;
-    }
-    failures_.push_back(FailureOf(clip.path, response.status().message()));
-    if (!absl::IsUnavailable(response.status())) continue;
+      Accept(response);
+    });
+    if (sent.ok()) continue;
+    failures_.push_back(FailureOf(clip.path, sent.message()));
+    if (!absl::IsUnavailable(sent)) continue;
     const std::string stopped =
         fmt::format("stopped after {} of {}", i, CountText(clips.size(), "file"));
     return absl::UnavailableError(
@@ -69,7 +71,40 @@ absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& clip) const {
+absl::Status IngestBatch::SendTakes(
+    const ClipEntry& clip, const std::function<void(const v1::IngestClipResponse&)>& accept) const {
+  const auto response = SendOne(clip, settings_.source.take);
+  if (response.ok()) {
+    accept(*response);
+    return absl::OkStatus();
+  }
+  if (ErrorReason(response.status()) != "TAKE_REQUIRED") return response.status();
+  const auto names =
+      nlohmann::json::parse(ErrorMetadata(response.status(), "takes"), nullptr, false);
+  int count = 0;
+  if (!absl::SimpleAtoi(ErrorMetadata(response.status(), "take_count"), &count)) {
+    return response.status();
+  }
+  // A take that cannot be stored does not stop the others.
+  absl::Status first_error;
+  for (int i = 0; i < count; ++i) {
+    const bool has_name =
+        names.is_array() && i < static_cast<int>(names.size()) && names[i].is_string();
+    const std::string take = has_name ? names[i].get<std::string>() : std::to_string(i + 1);
+    const auto stored = SendOne(clip, take);
+    if (absl::IsUnavailable(stored.status())) return stored.status();
+    if (stored.ok()) accept(*stored);
+    if (!stored.ok() && first_error.ok()) {
+      first_error =
+          WithMessage(stored.status(),
+                      fmt::format("take '{}': {}", take, std::string(stored.status().message())));
+    }
+  }
+  return first_error;
+}
+
+absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& clip,
+                                                            const std::string& take) const {
   const auto skeleton = SkeletonFor(clip.path, clip.skeleton);
   if (!skeleton.ok()) return skeleton.status();
   const std::pair<const char*, std::string> texts[] = {
@@ -85,6 +120,7 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
   header.set_replace(settings_.replace);
   header.set_validate_only(settings_.dry_run);
   *header.mutable_conventions() = Conventions(settings_.source);
+  header.mutable_conventions()->set_take(take);
   return client_.IngestFile(header, clip.path, *skeleton);
 }
 

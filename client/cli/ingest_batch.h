@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -55,7 +56,13 @@ class IngestBatch {
   const std::vector<FileFailure>& failures() const { return failures_; }
 
  private:
-  absl::StatusOr<v1::IngestClipResponse> SendOne(const ClipEntry& clip) const;
+  // Sends one take of a file, or its only one if `take` is empty.
+  absl::StatusOr<v1::IngestClipResponse> SendOne(const ClipEntry& clip,
+                                                 const std::string& take) const;
+  // Sends the chosen take or all takes, and calls `accept` for each stored one. Returns the first
+  // error.
+  absl::Status SendTakes(const ClipEntry& clip,
+                         const std::function<void(const v1::IngestClipResponse&)>& accept) const;
   void Accept(const v1::IngestClipResponse& response);
   absl::Status AwaitModel() const;
   bool PrintsSummary() const;

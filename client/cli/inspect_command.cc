@@ -13,13 +13,13 @@
 #include "client/cli/command.h"
 #include "client/cli/figure_svg.h"
 #include "client/cli/file_failures.h"
-#include "client/cli/import_process.h"
+#include "client/cli/import_request.h"
 #include "client/cli/inspection_text.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/output_file.h"
-#include "text/utf8.h"
+#include "import/launch.h"
 
 namespace motiondb::client {
 namespace {
@@ -51,22 +51,6 @@ void Declare(CLI::App& command, InspectOptions& options) {
       "several, a line for each. The exit status is 1 if ingest would reject a file.");
 }
 
-absl::StatusOr<std::string> RequestLine(const std::filesystem::path& file,
-                                        const SourceOptions& source) {
-  if (!text::IsUtf8(file.string())) {
-    return absl::InvalidArgumentError("the name is not UTF-8 text");
-  }
-  Json request = {{"file", file.string()}};
-  const auto skeleton = SkeletonFor(file, source.skeleton);
-  if (!skeleton.ok()) return skeleton.status();
-  if (!skeleton->empty()) request["skeleton"] = skeleton->string();
-  if (source.metres_per_unit > 0) request["metres_per_unit"] = source.metres_per_unit;
-  if (source.frame_rate_hz > 0) request["frame_rate_hz"] = source.frame_rate_hz;
-  if (source.leg_length_m > 0) request["leg_length_m"] = source.leg_length_m;
-  if (!source.up_axis.empty()) request["up_axis"] = source.up_axis;
-  return request.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
-}
-
 // Inspects files and prints the results in the order of the files.
 class Inspections {
  public:
@@ -76,16 +60,19 @@ class Inspections {
   absl::Status Run() {
     std::vector<std::string> requests;
     for (std::size_t i = 0; i < files_.size(); ++i) {
-      auto request = RequestLine(files_[i], options_.source);
+      const auto request = ImportRequest(files_[i], options_.source);
       if (request.ok()) {
-        requests.push_back(*std::move(request));
+        requests.push_back(LineOf(*request));
         index_of_request_.push_back(i);
       } else {
         Arrived(i, {{"error", std::string(request.status().message())}});
       }
     }
-    const absl::Status ran = RunImportProgram(
-        {"inspect"}, requests, [this](std::string_view line) { return TakeAnswer(line); });
+    importer::LineSplitter lines;
+    const absl::Status ran = importer::RunImportProgram(
+        {.arguments = {"inspect"}, .lines = std::move(requests)}, [&](std::string_view block) {
+          return lines.Add(block, [this](std::string_view line) { return TakeAnswer(line); });
+        });
     progress_.Clear();
     if (!ran.ok()) return ran;
     if (printed_ < files_.size()) {

@@ -89,6 +89,8 @@ int Run(int argc, char** argv) {
   AddCreateCommand(line);
   AddIngestCommand(line);
   AddInspectCommand(line);
+  AddConvertCommand(line);
+  AddFormatsCommand(line);
   AddListCommand(line);
   AddDescribeCommand(line);
   AddRecognizeCommand(line);
@@ -111,7 +113,8 @@ int Run(int argc, char** argv) {
   AddVerifyCommand(line);
   app.footer(
       "DB is the name of a database, with or without \"databases/\". Motion files keep their\n"
-      "extensions: .bvh, .amc (with its .asf in the same folder), .trc, .c3d. Options can be "
+      "extensions: .bvh, .amc (with its .asf in the same folder), .trc, .c3d, .csv (of a robot, "
+      "with its .urdf), .npz, .fbx, .gltf, .glb, .vrm, .dae; `motiondb formats`. Options can be "
       "before\n"
       "or after the command. `motiondb COMMAND --help` describes a command.");
   try {

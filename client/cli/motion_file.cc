@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "client/cli/command.h"
+#include "client/cli/file_formats.h"
 #include "client/input_file.h"
 #include "text/utf8.h"
 
@@ -36,8 +37,13 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options) {
       .add_option(
           "--skeleton", options.skeleton,
           "ASF skeleton of AMC files; else the ASF file in the same folder with the longest "
-          "name that the AMC name begins with")
-      ->type_name("FILE.asf");
+          "name that the AMC name begins with. URDF of a robot's CSV files; else the only one in "
+          "the same folder")
+      ->type_name("FILE.asf|FILE.urdf");
+  command
+      .add_option("--take", options.take,
+                  "Take of a file with several, by name or by number from 1")
+      ->type_name("TAKE");
   command
       .add_option("--metres-per-unit", options.metres_per_unit,
                   "Metres per length unit of the file; else as stated or deduced")
@@ -71,13 +77,33 @@ v1::SourceConventions Conventions(const SourceOptions& options) {
   if (options.frame_rate_hz > 0) conventions.set_frame_rate_hz(options.frame_rate_hz);
   if (options.leg_length_m > 0) conventions.set_leg_length_m(options.leg_length_m);
   conventions.set_force(options.force);
+  conventions.set_take(options.take);
   return conventions;
 }
 
-bool NeedsSkeleton(const fs::path& file) { return HasExtension(file, ".amc"); }
+namespace {
+
+fs::path FolderOf(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+// Returns nothing if there is none, or more than one.
+fs::path OnlyUrdfBeside(const fs::path& csv) {
+  fs::path only;
+  std::error_code error;
+  for (fs::directory_iterator entry(FolderOf(csv), error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (!HasExtension(entry->path(), ".urdf")) continue;
+    if (!only.empty()) return {};
+    only = entry->path();
+  }
+  return only;
+}
+
+}  // namespace
 
 absl::StatusOr<fs::path> FindSkeletonBeside(const fs::path& amc) {
-  const fs::path folder = amc.has_parent_path() ? amc.parent_path() : fs::path(".");
+  const fs::path folder = FolderOf(amc);
   const std::string name = amc.stem().string();
   fs::path best;
   std::error_code error;
@@ -98,9 +124,10 @@ absl::StatusOr<fs::path> FindSkeletonBeside(const fs::path& amc) {
 }
 
 absl::StatusOr<fs::path> SkeletonFor(const fs::path& file, const fs::path& given) {
-  if (!NeedsSkeleton(file)) return fs::path();
+  const std::string extension = MotionExtension(file);
+  if (extension != ".amc" && extension != ".csv") return fs::path();
   if (!given.empty()) return given;
-  return FindSkeletonBeside(file);
+  return extension == ".amc" ? FindSkeletonBeside(file) : OnlyUrdfBeside(file);
 }
 
 absl::StatusOr<std::string> ReadFileBytes(const fs::path& path) {

@@ -23,6 +23,7 @@ struct SourceOptions {
   double frame_rate_hz = 0;
   double leg_length_m = 0;
   bool force = false;  // accept a body that no person has
+  std::string take;
 };
 
 // Bind the options to a command.
@@ -34,15 +35,12 @@ v1::SourceConventions Conventions(const SourceOptions& options);
 // Returns whether the file has the extension `expected`, such as ".amc", ignoring case.
 bool HasExtension(const std::filesystem::path& file, const std::string& expected);
 
-// Returns whether the joints are in a separate file (AMC).
-bool NeedsSkeleton(const std::filesystem::path& file);
-
 // Returns the ASF file in the folder of an AMC file whose name (without extension) is the longest
 // prefix of the AMC's name. NOT_FOUND: there is none.
 absl::StatusOr<std::filesystem::path> FindSkeletonBeside(const std::filesystem::path& amc);
 
-// Returns the skeleton file of a motion file: `given`, or the result of FindSkeletonBeside; empty
-// if it needs none.
+// Returns the skeleton file of a motion file: for AMC `given`, or the result of FindSkeletonBeside;
+// for CSV `given`, or the only URDF file in its folder, if there is one; empty for other formats.
 absl::StatusOr<std::filesystem::path> SkeletonFor(const std::filesystem::path& file,
                                                   const std::filesystem::path& given);
 

@@ -6,6 +6,7 @@
 
 #include "client/cli/answer_text.h"
 #include "client/cli/command.h"
+#include "client/cli/file_formats.h"
 #include "client/cli/floor_plan_svg.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/plan_request.h"
@@ -26,25 +27,27 @@ struct PlanOptions {
 void Declare(CLI::App& command, PlanOptions& options) {
   AddPlanRequestOptions(command, options.request);
   command
-      .add_option("--out", options.out,
-                  "Write the motion as BVH, or for a robot as CSV of joint positions; alternatives "
-                  "as FILE-2 and so on")
-      ->type_name("FILE.bvh|FILE.csv");
+      .add_option(
+          "--out", options.out,
+          "Write the motion; the extension selects the format: BVH, GLB or NPZ with joints, "
+          "TRC or C3D of markers, CSV of a robot's joints or of markers. Alternatives are "
+          "FILE-2 and so on")
+      ->type_name("FILE.bvh|csv|glb|...");
   command.add_option("--plot", options.plot, "Draw the plan seen from above")
       ->type_name("FILE.svg");
   command.footer("The exit status is 3 if the goal is UNREACHABLE, with or without output files.");
 }
 
-// Checks the extensions of the output files.
-absl::Status CheckFiles(const PlanOptions& options) {
-  const bool robot = PlansForRobot(options.request);
-  if (!options.out.empty() && !HasExtension(options.out, robot ? ".csv" : ".bvh")) {
-    return absl::InvalidArgumentError(
-        robot ? fmt::format("--out {}: joint positions of a robot are written as FILE.csv",
-                            options.out)
-              : fmt::format("--out {}: motion of a skeleton is written as FILE.bvh; CSV is for a "
-                            "robot (--skeleton FILE.urdf)",
-                            options.out));
+// Checks the extensions of the output files and requests them.
+absl::Status RequestFiles(const PlanOptions& options, v1::PlanRequest& request) {
+  if (!options.out.empty()) {
+    const auto format = WrittenFormat(fs::path(options.out).extension().string());
+    if (!format.ok()) {
+      return absl::InvalidArgumentError(
+          fmt::format("--out {}: {}", options.out, std::string(format.status().message())));
+    }
+    request.set_include_files(true);
+    request.set_file_format(*format);
   }
   if (!options.plot.empty() && !HasExtension(options.plot, ".svg")) {
     return absl::InvalidArgumentError(
@@ -97,10 +100,9 @@ absl::Status Outcome(const v1::PlanResponse& response, const absl::Status& writt
 }
 
 absl::Status Run(const PlanOptions& options, const GlobalOptions& global) {
-  if (absl::Status status = CheckFiles(options); !status.ok()) return status;
   v1::PlanRequest request;
+  if (absl::Status status = RequestFiles(options, request); !status.ok()) return status;
   if (absl::Status status = SetPlanRequest(options.request, request); !status.ok()) return status;
-  request.set_include_files(!options.out.empty());
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   const auto response = client->Plan(request);
@@ -113,6 +115,9 @@ absl::Status Run(const PlanOptions& options, const GlobalOptions& global) {
   }
   PrintText(PlanText(*response));
   for (const std::string& file : written) PrintLine("wrote {}", file);
+  if (!options.out.empty()) {
+    for (const std::string& note : response->motion().file().notes()) PrintLine("note: {}", note);
+  }
   return status;
 }
 

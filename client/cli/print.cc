@@ -125,7 +125,7 @@ std::string Readable(const std::string& json) {
   return text.append(json, copied);
 }
 
-std::string Json(const google::protobuf::Message& message, bool indented) {
+std::string JsonText(const google::protobuf::Message& message, bool indented) {
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;
   options.always_print_primitive_fields = true;
@@ -138,14 +138,16 @@ std::string Json(const google::protobuf::Message& message, bool indented) {
 
 }  // namespace
 
-std::string JsonLine(const google::protobuf::Message& message) { return Json(message, false); }
+std::string JsonLine(const google::protobuf::Message& message) { return JsonText(message, false); }
 
-std::string IndentedJson(const google::protobuf::Message& message) { return Json(message, true); }
+std::string IndentedJson(const google::protobuf::Message& message) {
+  return JsonText(message, true);
+}
 
 std::string JsonString(const std::string& text) {
   google::protobuf::Value value;
   value.set_string_value(text);
-  return Json(value, false);
+  return JsonText(value, false);
 }
 
 void PrintJson(const google::protobuf::Message& message) {

@@ -46,6 +46,10 @@ class HierarchyReader {
     const bool moves = std::any_of(joints_.begin(), joints_.end(),
                                    [](const BvhJoint& joint) { return !joint.channels.empty(); });
     if (!moves) return scanner_.Error("expected at least one joint with channels before MOTION");
+    // Afterwards, so that a joint "x_end" keeps its name.
+    for (BvhJoint& joint : joints_) {
+      if (joint.is_end_site) joint.name = names_.Add(joints_[joint.parent].name + "_end");
+    }
     return std::move(joints_);
   }
 
@@ -73,10 +77,7 @@ class HierarchyReader {
 
   absl::Status OpenEndSite() {
     scanner_.RestOfLine("{");  // "Site", and a name that some writers add
-    return Open({.name = names_.Add(joints_[current_].name + "_end"),
-                 .parent = current_,
-                 .channels = {},
-                 .is_end_site = true});
+    return Open({.name = "", .parent = current_, .channels = {}, .is_end_site = true});
   }
 
   absl::Status Open(BvhJoint joint) {

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdlib>
 #include <set>
 
+#include "core/format/conventions.h"
 #include "core/format/text_scanner.h"
 
 namespace motiondb::core {
@@ -179,6 +181,62 @@ std::vector<std::string_view> C3dParameters::Strings(const std::string& group,
     strings.push_back(Unpadded(bytes_.Text(parameter->offset + at, length)));
   }
   return strings;
+}
+
+namespace {
+
+struct C3dUnitPart {
+  std::string_view name;
+  double factor;
+};
+constexpr std::array<C3dUnitPart, 7> kUnitPrefixes = {{{"milli", 0.001},
+                                                       {"mili", 0.001},
+                                                       {"centi", 0.01},
+                                                       {"zenti", 0.01},
+                                                       {"deci", 0.1},
+                                                       {"dezi", 0.1},
+                                                       {"", 1}}};
+constexpr std::array<C3dUnitPart, 13> kUnitNames = {{{"meter", 1},
+                                                     {"metre", 1},
+                                                     {"metro", 1},
+                                                     {"metri", 1},
+                                                     {"dm", 0.1},
+                                                     {"ft", 0.3048},
+                                                     {"foot", 0.3048},
+                                                     {"feet", 0.3048},
+                                                     {"zoll", 0.0254},
+                                                     {"pouce", 0.0254},
+                                                     {"pollice", 0.0254},
+                                                     {"pollici", 0.0254},
+                                                     {"pulgada", 0.0254}}};
+
+// Returns the letters in lower case, without accents.
+std::string PlainLetters(std::string_view text) {
+  std::string letters;
+  for (const char c : ToUtf8(text)) {
+    if (c >= 'a' && c <= 'z') letters += c;
+    if (c >= 'A' && c <= 'Z') letters += static_cast<char>(c - 'A' + 'a');
+    // Second bytes of the accented letters in UTF-8; the first is the same for all.
+    if (c == '\xA8' || c == '\xA9') letters += 'e';
+    if (c == '\xAD') letters += 'i';
+  }
+  return letters;
+}
+
+}  // namespace
+
+std::optional<double> MetresPerC3dUnit(std::string_view text) {
+  const std::string letters = PlainLetters(text);
+  if (const auto known = MetresPerUnitNamed(letters)) return known;
+  std::string_view unit = letters;
+  if (unit.ends_with('s')) unit.remove_suffix(1);
+  for (const C3dUnitPart& prefix : kUnitPrefixes) {
+    if (!unit.starts_with(prefix.name)) continue;
+    for (const C3dUnitPart& name : kUnitNames) {
+      if (unit.substr(prefix.name.size()) == name.name) return prefix.factor * name.factor;
+    }
+  }
+  return std::nullopt;
 }
 
 namespace {

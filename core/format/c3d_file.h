@@ -91,6 +91,11 @@ class C3dParameters {
   std::map<std::pair<std::string, std::string>, Parameter> parameters_;  // by group and name
 };
 
+// Returns the metres per unit of POINT:UNITS, in any case, with the names of units in English,
+// German, French, Italian, Spanish and Portuguese, and without regard to brackets and dots: "mm",
+// "[cm]", "in.", "Millimètres". Nothing if the unit is unknown or empty.
+std::optional<double> MetresPerC3dUnit(std::string_view text);
+
 // A point of a C3D file that is a marker.
 struct C3dMarker {
   std::size_t point = 0;  // index in the points of a frame

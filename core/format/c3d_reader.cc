@@ -23,14 +23,16 @@ constexpr std::size_t kFirstFrameAt = 6;
 constexpr std::size_t kLastFrameAt = 8;
 constexpr std::size_t kScaleAt = 12;
 constexpr std::size_t kDataBlockAt = 16;
+constexpr std::size_t kAnalogRatioAt = 18;
 constexpr std::size_t kRateAt = 20;
 
 // Position and encoding of the points in the file.
 struct PointLayout {
   std::size_t data = 0;          // offset of the first frame
   std::size_t frame_stride = 0;  // bytes
+  std::size_t analog = 0;        // samples in a frame
   Eigen::Index frames = 0;
-  int first_frame = 1;
+  double first_frame = 1;
   int points = 0;
   bool real = false;
   double scale = 1;  // of integers
@@ -78,21 +80,41 @@ std::optional<double> LongWord(const C3dParameters& parameters, const std::strin
   return *low + 65536 * *high;
 }
 
+struct C3dFrames {
+  double first = 1;
+  double count = 0;
+};
+
 // The header counts frames in 16 bits; parameters have the length of longer recordings.
-double FrameCount(const C3dBytes& bytes, const C3dParameters& parameters) {
+C3dFrames FindFrames(const C3dBytes& bytes, const C3dParameters& parameters) {
   constexpr int kFull = 65535;
   const int first = bytes.Word(kFirstFrameAt);
   const int last = bytes.Word(kLastFrameAt);
+  const double in_header = last - first + 1;
   const std::optional<double> frames = parameters.Number("POINT", "FRAMES");
-  if (last < kFull && last >= first && frames != kFull) return last - first + 1;
+  if (last < kFull && last >= first && frames != kFull)
+    return {static_cast<double>(first), in_header};
   const auto start = LongWord(parameters, "ACTUAL_START_FIELD");
   const auto end = LongWord(parameters, "ACTUAL_END_FIELD");
-  if (start && end && *end >= *start) return *end - *start + 1;
-  if (const auto long_frames = parameters.Number("POINT", "LONG_FRAMES")) return *long_frames;
-  return frames.value_or(last - first + 1);
+  if (start && end && *end >= *start) return {*start, *end - *start + 1};
+  const auto long_frames = parameters.Number("POINT", "LONG_FRAMES");
+  return {static_cast<double>(first), long_frames ? *long_frames : frames.value_or(in_header)};
 }
 
-absl::StatusOr<PointLayout> ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters) {
+bool IsC3dScale(double scale) { return std::abs(scale) > 0 && std::abs(scale) < 1e9; }
+
+// Returns the parameter POINT:NAME, or the header's value if the parameter does not exist or is
+// not usable, which is noted.
+double PreferParameter(const C3dParameters& parameters, const char* name, double in_header,
+                       bool (*is_usable)(double), std::vector<std::string>& notes) {
+  const double value = parameters.Number("POINT", name).value_or(in_header);
+  if (is_usable(value) || !is_usable(in_header)) return value;
+  notes.push_back(fmt::format("POINT:{} is {}: {} of the header used", name, value, in_header));
+  return in_header;
+}
+
+absl::StatusOr<PointLayout> ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters,
+                                       std::vector<std::string>& notes) {
   PointLayout layout;
   layout.points = bytes.Word(kPointCountAt);
   if (layout.points == 0) {
@@ -103,20 +125,20 @@ absl::StatusOr<PointLayout> ReadLayout(const C3dBytes& bytes, const C3dParameter
     return bytes.Error(kPointCountAt, "expected {} points, as in POINT:USED, found {}", used,
                        layout.points);
   }
-  layout.first_frame = bytes.Word(kFirstFrameAt);
-  const double frames = FrameCount(bytes, parameters);
-  if (!(frames >= 1 && frames <= std::numeric_limits<int>::max())) {
-    return bytes.Error(kFirstFrameAt, "expected at least one frame, found {}", frames);
+  const C3dFrames range = FindFrames(bytes, parameters);
+  if (!(range.count >= 1 && range.count <= std::numeric_limits<int>::max())) {
+    return bytes.Error(kFirstFrameAt, "expected at least one frame, found {}", range.count);
   }
-  layout.frames = static_cast<Eigen::Index>(frames);
+  layout.first_frame = range.first;
+  layout.frames = static_cast<Eigen::Index>(range.count);
 
-  layout.scale = parameters.Number("POINT", "SCALE").value_or(bytes.Real(kScaleAt));
-  if (!(std::abs(layout.scale) > 0 && std::abs(layout.scale) < 1e9)) {
+  layout.scale = PreferParameter(parameters, "SCALE", bytes.Real(kScaleAt), IsC3dScale, notes);
+  if (!IsC3dScale(layout.scale)) {
     return bytes.Error(kScaleAt, "expected a scale that is finite and not 0, found {}",
                        layout.scale);
   }
   layout.real = layout.scale < 0;
-  layout.rate_hz = parameters.Number("POINT", "RATE").value_or(bytes.Real(kRateAt));
+  layout.rate_hz = PreferParameter(parameters, "RATE", bytes.Real(kRateAt), IsFrameRate, notes);
   if (!IsFrameRate(layout.rate_hz)) {
     return bytes.Error(kRateAt, "expected a frame rate from 0.001 to 100000 Hz, found {}",
                        layout.rate_hz);
@@ -126,9 +148,9 @@ absl::StatusOr<PointLayout> ReadLayout(const C3dBytes& bytes, const C3dParameter
     return bytes.Error(kDataBlockAt, "expected the data's block (2 or more), found {}", block);
   }
   layout.data = (block - 1) * kC3dBlock;
-  const std::size_t analog = bytes.Word(kAnalogCountAt);
+  layout.analog = bytes.Word(kAnalogCountAt);
   layout.frame_stride =
-      (4 * static_cast<std::size_t>(layout.points) + analog) * (layout.real ? 4 : 2);
+      (4 * static_cast<std::size_t>(layout.points) + layout.analog) * (layout.real ? 4 : 2);
   MOTIONDB_RETURN_IF_ERROR(
       bytes.Require(layout.data, static_cast<std::size_t>(layout.frames) * layout.frame_stride,
                     fmt::format("{} frames", layout.frames)));
@@ -167,12 +189,33 @@ absl::StatusOr<FrameMatrix> ReadPoints(const C3dBytes& bytes, const PointLayout&
       const std::size_t offset = start + marker.point * point_size;
       if (!ReadPoint(bytes, layout, offset, position)) {
         return bytes.Error(offset, "expected a finite position of '{}' in frame {}", marker.name,
-                           layout.first_frame + frame);
+                           layout.first_frame + static_cast<double>(frame));
       }
       position += 3;
     }
   }
   return positions;
+}
+
+// Notes what the file has besides points.
+void NoteSkipped(const C3dBytes& bytes, const C3dParameters& parameters, const PointLayout& layout,
+                 std::vector<std::string>& notes) {
+  std::string skipped;
+  if (layout.analog > 0) {
+    // The frame has several samples of each channel. Some headers do not have their number.
+    const double used = parameters.Number("ANALOG", "USED").value_or(0);
+    const double samples = static_cast<double>(layout.analog);
+    const double ratio = used >= 1 && std::fmod(samples, used) == 0
+                             ? samples / used
+                             : std::max<double>(1, bytes.Word(kAnalogRatioAt));
+    skipped =
+        fmt::format("{:.0f} analog channels at {:.6g} Hz", samples / ratio, ratio * layout.rate_hz);
+  }
+  const double platforms = parameters.Number("FORCE_PLATFORM", "USED").value_or(0);
+  if (platforms >= 1) {
+    skipped += fmt::format("{}{:.0f} force platforms", skipped.empty() ? "" : ", ", platforms);
+  }
+  if (!skipped.empty()) notes.push_back("skipped " + skipped);
 }
 
 std::optional<UpAxis> StatedUpAxis(const C3dParameters& parameters) {
@@ -191,8 +234,12 @@ void DecideConventions(const C3dParameters& parameters, const std::vector<std::s
                        const FrameMatrix& positions, const ReadOptions& options,
                        SourceReport& report) {
   constexpr double kMillimetre = 0.001;
-  const std::vector<std::string_view> unit = parameters.Strings("POINT", "UNITS");
-  const std::optional<double> stated = unit.empty() ? std::nullopt : MetresPerUnitNamed(unit[0]);
+  const std::vector<std::string_view> units = parameters.Strings("POINT", "UNITS");
+  const std::string_view unit = units.empty() ? std::string_view() : units[0];
+  const std::optional<double> stated = MetresPerC3dUnit(unit);
+  if (!unit.empty() && !stated && !options.metres_per_unit) {
+    report.notes.push_back(fmt::format("unknown unit '{}'", Shown(unit)));
+  }
   const DeducedConventions deduced = DeduceConventions(names, positions);
   DecideUnit(options.metres_per_unit, stated, deduced, kMillimetre, report);
   DecideUpAxis({.given = options.up_axis,
@@ -213,9 +260,9 @@ absl::StatusOr<MotionFile> ReadC3d(SourceFile file, const ReadOptions& options) 
       const C3dParameters parameters,
       C3dParameters::Read(bytes, section.start,
                           std::max(section.end, std::max(data, kC3dBlock) - kC3dBlock)));
-  MOTIONDB_ASSIGN_OR_RETURN(const PointLayout layout, ReadLayout(bytes, parameters));
   MotionFile read;
   SourceReport& report = read.report;
+  MOTIONDB_ASSIGN_OR_RETURN(const PointLayout layout, ReadLayout(bytes, parameters, report.notes));
   const std::vector<C3dMarker> markers = C3dMarkers(parameters, layout.points, report.notes);
   if (markers.empty()) {
     return bytes.Error(kPointCountAt, "expected at least one marker, found computed points only");
@@ -223,6 +270,7 @@ absl::StatusOr<MotionFile> ReadC3d(SourceFile file, const ReadOptions& options) 
   if (layout.first_frame != 1) {
     report.notes.push_back(fmt::format("frames start at {}", layout.first_frame));
   }
+  NoteSkipped(bytes, parameters, layout, report.notes);
   MOTIONDB_ASSIGN_OR_RETURN(FrameMatrix positions, ReadPoints(bytes, layout, markers));
   std::vector<std::string> names;
   names.reserve(markers.size());

@@ -219,10 +219,21 @@ FigureSize MeasureFigure(std::span<const std::string> names, const FrameMatrix& 
   return size;
 }
 
+// Whether all joints are children of a root, so that they are points without bones. End sites do
+// not count.
+bool HasNoBones(const Skeleton& skeleton) {
+  constexpr std::size_t kFewJoints = 4;
+  const std::vector<Joint>& joints = skeleton.joints();
+  return joints.size() > kFewJoints && std::ranges::all_of(joints, [&](const Joint& joint) {
+           return joint.parent < 0 || joint.dofs.empty() || joints[joint.parent].parent < 0;
+         });
+}
+
 }  // namespace
 
 DeducedConventions DeduceConventions(std::span<const std::string> names,
                                      const FrameMatrix& positions, const Skeleton* skeleton) {
+  if (skeleton != nullptr && HasNoBones(*skeleton)) skeleton = nullptr;
   std::vector<Eigen::Vector3d> above_feet = HeadsAboveFeet(names, positions);
   DeducedConventions deduced;
   deduced.stature =

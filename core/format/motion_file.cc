@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/format/conventions.h"
+#include "core/format/joint_table_reader.h"
 #include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
@@ -33,7 +34,7 @@ std::int64_t C3dPoints(std::string_view bytes) {
   return std::max(low + 256 * high, high + 256 * low);
 }
 
-absl::Status CheckOptions(const ReadOptions& options) {
+absl::Status CheckNumbers(const ReadOptions& options) {
   if (const auto unit = options.metres_per_unit; unit && !(*unit >= 1e-9 && *unit <= 1e9)) {
     return InvalidArgument("metres_per_unit: expected a number from 1e-9 to 1e9, found {}", *unit);
   }
@@ -78,15 +79,6 @@ std::string_view NameOf(UpAxis up) {
   return "";
 }
 
-absl::StatusOr<FileFormat> FormatOfPath(std::string_view path) {
-  const std::string_view extension = path.substr(std::min(path.rfind('.'), path.size()));
-  if (IsKeyword(extension, ".bvh")) return FileFormat::kBvh;
-  if (IsKeyword(extension, ".amc")) return FileFormat::kAmc;
-  if (IsKeyword(extension, ".trc")) return FileFormat::kTrc;
-  if (IsKeyword(extension, ".c3d")) return FileFormat::kC3d;
-  return InvalidArgument("{}: expected a file ending in .bvh, .amc, .trc or .c3d", path);
-}
-
 std::string Describe(const SourceReport& report) {
   std::string line = fmt::format("unit {:.6g} m ({}), {} up ({})", report.metres_per_unit,
                                  NameOf(report.unit_provenance), NameOf(report.up_axis),
@@ -95,10 +87,18 @@ std::string Describe(const SourceReport& report) {
   return line;
 }
 
+absl::Status CheckReadOptions(FileFormat format, std::string_view file_name,
+                              const ReadOptions& options) {
+  MOTIONDB_RETURN_IF_ERROR(CheckNumbers(options));
+  if (options.take.empty() || InfoOf(format).has_takes) return absl::OkStatus();
+  return InvalidArgument("{}: {} files have no takes, got take '{}'", file_name,
+                         InfoOf(format).name, options.take);
+}
+
 absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
                                           std::optional<SourceFile> skeleton,
                                           const ReadOptions& options) {
-  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
+  MOTIONDB_RETURN_IF_ERROR(CheckReadOptions(format, file.name, options));
   switch (format) {
     case FileFormat::kBvh:
       return ReadBvh(file, options);
@@ -111,8 +111,16 @@ absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
       return ReadTrc(file, options);
     case FileFormat::kC3d:
       return ReadC3d(file, options);
+    case FileFormat::kCsv:
+      return ReadJointTable(file, skeleton, options);
+    case FileFormat::kNpz:
+    case FileFormat::kFbx:
+    case FileFormat::kGltf:
+    case FileFormat::kCollada:
+      break;
   }
-  return InvalidArgument("{}: expected a known file format", file.name);
+  return InvalidArgument("{}: {} files are read by motiondb-import", file.name,
+                         InfoOf(format).name);
 }
 
 std::int64_t MaxBytesToRead(FileFormat format, SourceFile file,
@@ -141,6 +149,13 @@ std::int64_t MaxBytesToRead(FileFormat format, SourceFile file,
       // Three 16-bit words become three floats; the fourth is a validity flag.
       return 3 * bytes / 2 + kName * std::min(bytes / 8, C3dPoints(file.bytes)) +
              kC3dParameter * std::min(bytes / 8, kMaxC3dParameters);
+    case FileFormat::kCsv:
+      return MaxBytesToReadJointTable(file, skeleton);
+    case FileFormat::kNpz:
+    case FileFormat::kFbx:
+    case FileFormat::kGltf:
+    case FileFormat::kCollada:
+      break;  // not read here
   }
   return 0;
 }

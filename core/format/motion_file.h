@@ -40,16 +40,18 @@ std::string_view NameOf(Provenance provenance);
 // "y", "-z", ...
 std::string_view NameOf(UpAxis up);
 
-// Overrides by the caller. Must be finite and positive.
+// Overrides by the caller. Numbers must be finite and positive.
 struct ReadOptions {
   std::optional<double> metres_per_unit;
   std::optional<UpAxis> up_axis;
   std::optional<double> frame_rate_hz;  // AMC has none: default 120, reported as assumed
+  std::string take = {};                // of a file with several; empty: its only one
 };
 
 struct MotionFile {
   Motion motion;
   SourceReport report;
+  std::string take = {};  // name of the take that was asked for; empty: none was
 };
 
 // A file in memory: `name` appears in error messages ("walk.bvh:12: expected ...").
@@ -58,11 +60,17 @@ struct SourceFile {
   std::string_view bytes;
 };
 
-// Reads one motion file. `skeleton` is the ASF of an AMC: required for AMC, unused otherwise.
+// INVALID_ARGUMENT for a number out of range, or for a take of a format without takes.
+absl::Status CheckReadOptions(FileFormat format, std::string_view file_name,
+                              const ReadOptions& options);
+
+// Reads one motion file. `skeleton` is the ASF of an AMC, for which it is required, or the URDF of
+// a CSV; unused otherwise.
 //
 // Every error is INVALID_ARGUMENT and names file, line (byte offset for C3D) and the expected
-// content. A truncated file is an error unless the rest is a complete file. Sizes in the file are
-// checked against its length before memory is allocated.
+// content. So is a format that only motiondb-import reads (NeedsImport). A truncated file is an
+// error unless the rest is a complete file. Sizes in the file are checked against its length before
+// memory is allocated.
 absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
                                           std::optional<SourceFile> skeleton = std::nullopt,
                                           const ReadOptions& options = {});

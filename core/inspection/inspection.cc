@@ -111,11 +111,8 @@ void Measure(const MarkerScheme& scheme, const Motion& motion, std::optional<dou
 
 }  // namespace
 
-absl::StatusOr<Inspection> InspectMotion(FileFormat format, SourceFile file,
-                                         std::optional<SourceFile> skeleton,
-                                         const ReadOptions& options,
-                                         std::optional<double> leg_length_m) {
-  MOTIONDB_ASSIGN_OR_RETURN(const MotionFile read, ReadMotionFile(format, file, skeleton, options));
+Inspection InspectMotion(std::string_view file_name, const MotionFile& read,
+                         std::optional<double> leg_length_m) {
   Inspection inspection;
   inspection.report = read.report;
   if (const auto* joints = std::get_if<JointMotion>(&read.motion)) {
@@ -135,7 +132,7 @@ absl::StatusOr<Inspection> InspectMotion(FileFormat format, SourceFile file,
   }
   if (leg_length_m) AddProblem(CheckGivenLegLength(*leg_length_m), inspection);
   AddProblem(CheckFrameRate(inspection.frame_rate_hz, kUsualRate_hz), inspection);
-  const auto scheme = MapPoints(read.motion, points, Stem(file.name), inspection);
+  const auto scheme = MapPoints(read.motion, points, Stem(file_name), inspection);
   if (scheme) Measure(*scheme, read.motion, leg_length_m, inspection);
   return inspection;
 }

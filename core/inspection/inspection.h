@@ -4,10 +4,10 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
 
 namespace motiondb::core {
@@ -41,11 +41,9 @@ struct Inspection {
   std::vector<std::string> problems;           // why ingest would reject the file
 };
 
-// Reads a file and converts it to the standard marker set, as ingest with the policy `repair` does.
-// INVALID_ARGUMENT if it cannot be read; all other problems are in the result.
-absl::StatusOr<Inspection> InspectMotion(FileFormat format, SourceFile file,
-                                         std::optional<SourceFile> skeleton,
-                                         const ReadOptions& options,
-                                         std::optional<double> leg_length_m);
+// Converts a motion to the standard marker set, as ingest with the policy `repair` does. Problems
+// are in the result. `file_name` names the mapping.
+Inspection InspectMotion(std::string_view file_name, const MotionFile& file,
+                         std::optional<double> leg_length_m);
 
 }  // namespace motiondb::core

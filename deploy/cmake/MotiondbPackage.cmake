@@ -6,7 +6,7 @@ set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "${MOTIONDB_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "database server for human motion, and its client")
 set(CPACK_PACKAGE_DESCRIPTION
-"Stores motion clips (BVH, ASF/AMC, TRC, C3D), recognizes an observed motion,
+"Stores motion clips (BVH, ASF/AMC, TRC, C3D, FBX, glTF, ...), recognizes an observed motion,
 estimates its state, predicts its next frames, and plans motion to a goal.
 motiondbd is the gRPC server; motiondb is its command-line client.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)

@@ -19,10 +19,14 @@ std::string WithoutFolders(std::string_view path) {
   return std::string(slash == path.npos ? path : path.substr(slash + 1));
 }
 
-std::string ClipIdFromFileName(std::string_view file_name) {
-  const std::size_t dot = file_name.rfind('.');
+std::string ClipIdFromFileName(std::string_view file_name, std::string_view take) {
+  for (const std::string_view gzip : {".gz", ".GZ"}) {
+    if (file_name.ends_with(gzip)) file_name.remove_suffix(gzip.size());
+  }
+  std::string name(file_name.substr(0, file_name.rfind('.')));
+  if (!take.empty()) name.append("-").append(take);
   std::string id;
-  for (const char c : file_name.substr(0, dot)) {
+  for (const char c : name) {
     if (id.size() == kMaxIdLength) break;
     if (IsIdCharacter(c)) {
       id += c;

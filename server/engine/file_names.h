@@ -10,13 +10,15 @@ namespace motiondb::server {
 // Returns the file name without folders. Both '/' and '\' separate folders.
 std::string WithoutFolders(std::string_view path);
 
-// Returns the clip id for a file name without folders: its stem, with '_' for each character that
-// ids do not allow. Leaves room for a number suffix. Returns "clip" if nothing is left.
-std::string ClipIdFromFileName(std::string_view file_name);
+// Returns the clip id for a file name without folders: its stem, and '-' and the take if there is
+// one, with '_' for each character that ids do not allow. Leaves room for a number suffix. Returns
+// "clip" if nothing is left.
+std::string ClipIdFromFileName(std::string_view file_name, std::string_view take = {});
 
-// Returns the 64-bit FNV-1a hash of the motion file's length, its bytes and the skeleton file's
-// bytes.
-inline std::uint64_t ContentHash(std::string_view file, std::string_view skeleton) {
+// Returns the 64-bit FNV-1a hash of the motion file's length, its bytes, the skeleton file's bytes
+// and the name of the take.
+inline std::uint64_t ContentHash(std::string_view file, std::string_view skeleton,
+                                 std::string_view take = {}) {
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001b3; };
   for (int shift = 0; shift < 64; shift += 8) {
@@ -24,6 +26,8 @@ inline std::uint64_t ContentHash(std::string_view file, std::string_view skeleto
   }
   for (const char c : file) add(static_cast<std::uint8_t>(c));
   for (const char c : skeleton) add(static_cast<std::uint8_t>(c));
+  if (!take.empty()) add(0);  // so that the take does not continue the skeleton
+  for (const char c : take) add(static_cast<std::uint8_t>(c));
   return hash;
 }
 

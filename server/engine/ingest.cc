@@ -13,6 +13,7 @@
 #include "server/engine/clock.h"
 #include "server/engine/file_names.h"
 #include "server/engine/representation.h"
+#include "server/engine/source_reader.h"
 
 namespace motiondb::server {
 namespace {
@@ -28,7 +29,7 @@ void Complete(const LiveDatabase& database, const core::MotionFile& source,
               storage::NewClip& clip) {
   storage::ClipRecord& record = clip.record;
   record.database = database.name();
-  if (!clip.id_is_fixed) record.id = ClipIdFromFileName(record.file_name);
+  if (!clip.id_is_fixed) record.id = ClipIdFromFileName(record.file_name, record.given.take);
   record.frame_count = states.frame_count();
   record.duration_seconds = states.frame_count() / states.frame_rate_hz;
   record.source_frame_rate_hz = FrameRate(source.motion);
@@ -88,8 +89,36 @@ absl::StatusOr<std::optional<storage::ClipRecord>> FindReplaced(storage::MotionS
     if (record.label.empty()) record.label = before->label;
     if (record.subject.empty()) record.subject = before->subject;
   }
+  if (record.label.empty()) record.label = record.given.take;
   if (record.label.empty()) record.label = kNoLabel;
   return before;
+}
+
+// Reads the file, and sets its hash and the name of its take.
+absl::StatusOr<core::MotionFile> ReadAndHash(IngestRequest& request,
+                                             const core::ParallelFor& parallel,
+                                             const WorkOptions& terms) {
+  storage::NewClip& clip = request.clip;
+  storage::ClipRecord& record = clip.record;
+  const core::SourceFile file{record.file_name, clip.file_bytes};
+  const auto skeleton = SkeletonFile(record, clip.skeleton_bytes);
+  absl::StatusOr<core::MotionFile> source;
+  const auto read = [&] {
+    source = ReadSource(record.format, file, skeleton, record.given, terms);
+  };
+  const auto hash = [&] {
+    record.content_hash = ContentHash(clip.file_bytes, clip.skeleton_bytes, record.given.take);
+  };
+  if (core::NeedsImport(record.format, file.bytes)) {
+    // On this thread: the others are for queries.
+    read();
+    if (source.ok()) record.given.take = source->take;
+    hash();
+    return source;
+  }
+  // The hash runs byte by byte and takes a third of the time of reading.
+  parallel(2, [&](int part) { part == 0 ? read() : hash(); });
+  return source;
 }
 
 }  // namespace
@@ -108,18 +137,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   // Before the scheme is read: a reprocessing that is requested after a later change of the scheme
   // includes this clip.
   clip.record.tried_time_us = NowMicroseconds();
-  const core::SourceFile file{clip.record.file_name, clip.file_bytes};
-  const auto skeleton = SkeletonFile(clip.record, clip.skeleton_bytes);
-  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MaxBytesToRead(clip.record.format, file, skeleton)));
-  absl::StatusOr<core::MotionFile> source;
-  // The hash runs byte by byte and takes a third of the time of reading.
-  parallel(2, [&](int part) {
-    if (part == 0) {
-      source = core::ReadMotionFile(clip.record.format, file, skeleton, clip.record.given);
-    } else {
-      clip.record.content_hash = ContentHash(clip.file_bytes, clip.skeleton_bytes);
-    }
-  });
+  auto source = ReadAndHash(request, parallel, terms);
   if (!source.ok()) return source.status();
 
   // The first clip of a `source` database determines the markers; other ingests wait for it.

@@ -8,6 +8,7 @@
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
 #include "server/engine/live_database.h"
+#include "server/engine/source_reader.h"
 
 namespace motiondb::server {
 namespace {
@@ -72,9 +73,7 @@ class Reader {
 
  private:
   absl::StatusOr<ReadObservation> ReadForm(const ObservedFile& file) const {
-    MOTIONDB_RETURN_IF_ERROR(
-        terms_.Reserve(core::MaxBytesToRead(file.format, file.file, file.skeleton)));
-    auto read = core::ReadMotionFile(file.format, file.file, file.skeleton, file.conventions);
+    auto read = ReadSource(file.format, file.file, file.skeleton, file.conventions, terms_);
     if (!read.ok()) return core::AtField(SubField(observation_, "data"), read.status());
     ReadObservation result{std::move(read->motion), std::nullopt};
     if (!file.force) result.checked_report = std::move(read->report);

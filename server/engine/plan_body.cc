@@ -4,6 +4,7 @@
 #include "core/motion/marker_rules.h"
 #include "server/engine/ingest.h"
 #include "server/engine/plan_query.h"
+#include "server/engine/source_reader.h"
 
 namespace motiondb::server {
 namespace {
@@ -89,10 +90,8 @@ absl::StatusOr<core::Motion> MotionOf(const Query& query, const PlanBody& body) 
   MOTIONDB_ASSIGN_OR_RETURN(const auto source, store.ReadClipSource(database, clip->id));
   const core::SourceFile file{clip->file_name, source.file_bytes};
   const auto skeleton = SkeletonFile(*clip, source.skeleton_bytes);
-  MOTIONDB_RETURN_IF_ERROR(
-      query.terms().Reserve(core::MaxBytesToRead(clip->format, file, skeleton)));
   MOTIONDB_ASSIGN_OR_RETURN(auto read,
-                            core::ReadMotionFile(clip->format, file, skeleton, clip->given));
+                            ReadSource(clip->format, file, skeleton, clip->given, query.terms()));
   return std::move(read.motion);
 }
 
@@ -121,13 +120,13 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
   if (!body.ok()) return body;
   body->scheme = scheme;
   if (body->skeleton == nullptr) {
-    if (!request.with_files) return body;
+    if (!request.needs_joints()) return body;
     return core::WithReason(
         "NO_SKELETON",
         core::FailedPrecondition(
             "a plan on bare markers cannot be written as a motion file: give a skeleton of the "
-            "database or a robot (motiondb plan {} --skeleton NAME|FILE.urdf), or omit "
-            "include_files",
+            "database or a robot (motiondb plan {} --skeleton NAME|FILE.urdf), a format of points "
+            "(TRC, C3D), or omit include_files",
             database));
   }
   const std::string_view field = body->is_robot ? "robot.urdf" : "skeleton";

@@ -80,6 +80,8 @@ absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& reque
   MOTIONDB_RETURN_IF_ERROR(
       WithLimits(terms.Reserve(BytesOfPlan(result.answer, request.with_files))));
   result.body = std::move(plan.body);
+  result.with_files = request.with_files;
+  result.file_format = request.file_format;
   result.search_seconds = clock.search_seconds();
   result.total_seconds = clock.total_seconds();
   return result;

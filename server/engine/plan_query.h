@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/export/motion_writer.h"
 #include "core/format/motion_file.h"
 #include "core/format/urdf_reader.h"
 #include "core/planning/plan.h"
@@ -27,7 +28,13 @@ struct PlanRequest {
   // skeleton id of the database, or a robot as URDF.
   std::variant<std::monostate, std::string, core::SourceFile> body;
   double max_search_seconds = kDefaultSearchSeconds;
-  bool with_files = false;  // also return each motion as a file; requires a body
+  bool with_files = false;  // also return each motion as a file
+  // Of the files; none: BVH, or CSV for a robot. A format with joints requires a body.
+  std::optional<core::FileFormat> file_format;
+
+  bool needs_joints() const {
+    return with_files && (!file_format || core::HasJoints(*file_format));
+  }
 };
 
 struct PlanBody {
@@ -49,6 +56,8 @@ struct PlanResult {
   PlanBody body;
   double search_seconds = 0;
   double total_seconds = 0;
+  bool with_files = false;  // as in the request
+  std::optional<core::FileFormat> file_format;
 };
 
 // Finds the start and the body. INVALID_ARGUMENT naming the field that is out of range, unknown or

@@ -216,11 +216,13 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
 std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files) {
   constexpr Bytes kFrame = 160;        // root and nodes
   constexpr Bytes kAngle = 8 + 3 * 4;  // result, floats, message and serialized form
-  constexpr Bytes kAngleAsText = 4 * 14;
+  constexpr Bytes kAngleAsText = 160;  // in the longest format, NPZ, of a joint with one angle
+  constexpr Bytes kCoordinateAsText = 4 * 12;
   Bytes bytes = 0;
   for (const core::PlannedMotion& motion : answer.motions) {
     const Bytes angles = motion.joints ? motion.joints->angles.size() : 0;
-    bytes += kFrame * motion.root.rows() + 12 * motion.markers.positions_m.size() +
+    bytes += kFrame * motion.root.rows() +
+             motion.markers.positions_m.size() * (12 + (with_files ? kCoordinateAsText : 0)) +
              angles * (kAngle + (with_files ? kAngleAsText : 0));
   }
   return bytes;

@@ -23,12 +23,6 @@ constexpr double kMaxLightPoints = 1 << 16;
 
 constexpr char kHeavyWorkMark[] = "motiondb.heavy-work";
 
-absl::Status HeavyWork() {
-  absl::Status status = absl::ResourceExhaustedError("heavy work is not allowed here");
-  status.SetPayload(kHeavyWorkMark, absl::Cord());
-  return status;
-}
-
 absl::Status TooLong(const std::string& problem) {
   return core::WithReason("MOTION_TOO_LONG", absl::ResourceExhaustedError(
                                                  "the motion " + problem +
@@ -66,6 +60,12 @@ std::int64_t BytesOfStates(std::int64_t frames, int marker_count) {
 
 double FrameRate(const core::Motion& motion) {
   return std::visit([](const auto& form) { return form.frame_rate_hz; }, motion);
+}
+
+absl::Status HeavyWork() {
+  absl::Status status = absl::ResourceExhaustedError("heavy work is not allowed here");
+  status.SetPayload(kHeavyWorkMark, absl::Cord());
+  return status;
 }
 
 bool IsHeavyWork(const absl::Status& status) {

@@ -41,6 +41,9 @@ struct RepresentationLimits {
   WorkOptions terms;
 };
 
+// Returns the status with which light work refuses heavy work.
+absl::Status HeavyWork();
+
 // Returns whether a conversion was refused because it is heavy work and only light work is allowed.
 bool IsHeavyWork(const absl::Status& status);
 

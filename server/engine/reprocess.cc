@@ -16,6 +16,7 @@
 #include "server/engine/clock.h"
 #include "server/engine/ingest.h"
 #include "server/engine/representation.h"
+#include "server/engine/source_reader.h"
 #include "server/engine/stored_clips.h"
 
 namespace motiondb::server {
@@ -107,8 +108,13 @@ class Reprocessor {
     const auto source = store_.ReadClipSource(clip.database, clip.id);
     if (absl::IsDataLoss(source.status())) return MakeFailed(clip, source.status());
     if (!source.ok()) return source.status();
-    const auto file = core::ReadMotionFile(clip.format, {clip.file_name, source->file_bytes},
-                                           SkeletonFile(clip, source->skeleton_bytes), clip.given);
+    const auto file = ReadSource(clip.format, {clip.file_name, source->file_bytes},
+                                 SkeletonFile(clip, source->skeleton_bytes), clip.given,
+                                 {AllowedWork::kAllWork, stopped_});
+    // Others fail the clip, so that a missing motiondb-import does not stop the rest.
+    if (absl::IsUnavailable(file.status()) || absl::IsCancelled(file.status())) {
+      return file.status();
+    }
     if (!file.ok()) return MakeFailed(clip, file.status());
     std::vector<std::string> notes;
     auto states = Represent(file->motion, clip.given_leg_length_m, notes);

@@ -114,6 +114,12 @@ void CallContext::BeginHeavy(std::function<void(grpc::Status)> work) {
   Post([work = std::move(work)] { work(grpc::Status::OK); });
 }
 
+void CallContext::EndHeavy() {
+  request_class_ = RequestClass::kLight;
+  class_slot_ = {};
+  Resize(work_memory_, 0).IgnoreError();  // a smaller amount is never refused
+}
+
 absl::Status CallContext::ReserveRequest(const google::protobuf::Message& request) {
   request_size_ = static_cast<std::int64_t>(request.ByteSizeLong());
   const bool counts = request_size_ > kSmallBytes;

@@ -47,6 +47,8 @@ class CallContext {
   // For a light call whose work turns out to be heavy: runs `work`, as Begin does, as a heavy call,
   // or with RESOURCE_EXHAUSTED. Precondition: Check returned OK.
   void BeginHeavy(std::function<void(grpc::Status)> work);
+  // After the heavy part of a call: frees its turn and the memory of its work.
+  void EndHeavy();
   // Work that the request class permits.
   AllowedWork allowed() const {
     return request_class_ == RequestClass::kLight ? AllowedWork::kLightWork : AllowedWork::kAllWork;

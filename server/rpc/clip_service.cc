@@ -4,12 +4,15 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.grpc.pb.h"
+#include "server/engine/export_clip.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
+#include "server/translate/file_format.h"
 #include "server/translate/page.h"
 #include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -91,25 +94,47 @@ bool TakeBlock(const std::string& bytes, std::size_t& begin, std::string& block)
   return true;
 }
 
+// Returns the ingested files, or one in another format, and sets the rest of the header.
+absl::StatusOr<storage::ClipSource> ExportedFiles(const Call& call,
+                                                  const storage::ClipRecord& record,
+                                                  v1::FileFormat format,
+                                                  v1::ExportClipHeader& header) {
+  if (format == v1::FILE_FORMAT_UNSPECIFIED) {
+    header.set_file_name(record.file_name);
+    header.set_skeleton_file_name(record.skeleton_file_name);
+    return call.engine.store().ReadClipSource(record.database, record.id);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat parsed, ParseWrittenFormat("format", format));
+  // A long clip may use as much memory as a long request.
+  MOTIONDB_RETURN_IF_ERROR(call.entry.ReserveFile(static_cast<std::size_t>(record.byte_count)));
+  MOTIONDB_ASSIGN_OR_RETURN(ExportedMotion exported,
+                            ExportMotion(call.engine, record, parsed, call.work_options()));
+  header.set_file_name(exported.file_name);
+  for (const std::string& note : exported.notes) header.add_notes(text::ValidUtf8(note));
+  return storage::ClipSource{std::move(exported.bytes), ""};
+}
+
 absl::StatusOr<MessageSource<v1::ExportClipResponse>> OpenExport(
     const Call& call, const v1::ExportClipRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(auto record, call.engine.store().GetClip(id.database, id.id));
-  MOTIONDB_ASSIGN_OR_RETURN(auto source, call.engine.store().ReadClipSource(id.database, id.id));
+  v1::ExportClipHeader header;
+  SetClip(record, *header.mutable_clip());
+  MOTIONDB_ASSIGN_OR_RETURN(storage::ClipSource source,
+                            ExportedFiles(call, record, request.format(), header));
   MOTIONDB_RETURN_IF_ERROR(
       call.entry.ReserveFile(source.file_bytes.size() + source.skeleton_bytes.size()));
   struct State {
-    storage::ClipRecord record;
+    v1::ExportClipHeader header;
     storage::ClipSource source;
     bool header_sent = false;
     std::size_t file_begin = 0;
     std::size_t skeleton_begin = 0;
   };
-  auto state = std::make_shared<State>(State{std::move(record), std::move(source)});
+  auto state = std::make_shared<State>(State{std::move(header), std::move(source)});
   return [state](v1::ExportClipResponse& message) -> absl::StatusOr<bool> {
     if (!std::exchange(state->header_sent, true)) {
-      SetClip(state->record, *message.mutable_header()->mutable_clip());
-      message.mutable_header()->set_skeleton_file_name(state->record.skeleton_file_name);
+      *message.mutable_header() = std::move(state->header);
       return true;
     }
     std::string block;

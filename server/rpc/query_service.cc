@@ -77,8 +77,7 @@ absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResp
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const PlanRequest plan, ParsePlanRequest(request, database));
   MOTIONDB_ASSIGN_OR_RETURN(const PlanResult result, FindPlan(query, plan));
-  return SetPlan(result, database, query.model(), request.include_files(), call.cancelled,
-                 response);
+  return SetPlan(result, database, query.model(), call.cancelled, response);
 }
 
 class QueryServiceImpl final : public v1::QueryService::CallbackService {

@@ -38,13 +38,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
       return;
     }
     entry_.Begin(*request, [this, request, open = std::move(open)](grpc::Status checked) {
-      if (!checked.ok()) return End(std::move(checked));
-      Step([&]() -> absl::Status {
-        auto opened = open(call_, *request);
-        if (!opened.ok()) return opened.status();
-        next_ = *std::move(opened);
-        return Produce();
-      });
+      Begin(open, *request, std::move(checked));
     });
   }
 
@@ -60,6 +54,26 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   void OnDone() override { delete this; }
 
  private:
+  // Opens the stream, once more as a heavy call if the work turns out to be heavy. The rest of such
+  // a call is light.
+  void Begin(const Open& open, const Request& request, grpc::Status checked,
+             bool as_heavy = false) {
+    if (!checked.ok()) return End(std::move(checked));
+    bool is_heavy = false;
+    grpc::Status begun = RunHandler(call_.cancelled, [&]() -> absl::Status {
+      auto opened = open(call_, request);
+      is_heavy = IsHeavyWork(opened.status());
+      if (!opened.ok()) return opened.status();
+      next_ = *std::move(opened);
+      return Produce();
+    });
+    if (as_heavy) entry_.EndHeavy();
+    if (!is_heavy) return Continue(std::move(begun));
+    entry_.BeginHeavy([this, open, &request](grpc::Status entered) {
+      Begin(open, request, std::move(entered), true);
+    });
+  }
+
   absl::Status Produce() {
     MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
     message_.Clear();
@@ -70,7 +84,10 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   }
 
   void Step(const std::function<absl::Status()>& step) {
-    grpc::Status status = RunHandler(call_.cancelled, step);
+    Continue(RunHandler(call_.cancelled, step));
+  }
+
+  void Continue(grpc::Status status) {
     if (!status.ok() || ended_) return End(std::move(status));
     idle_timer_.Restart();
     writing_ = true;

@@ -5,38 +5,43 @@
 #include "server/translate/message_fields.h"
 
 namespace motiondb::server {
+namespace {
+
+constexpr std::size_t kMaxTakeBytes = 255;
+
+}  // namespace
+
+// The values of both enumerations have the same order.
+static_assert(v1::FILE_FORMAT_BVH == static_cast<int>(core::FileFormat::kBvh) + 1);
+static_assert(v1::FILE_FORMAT_COLLADA == static_cast<int>(core::FileFormat::kCollada) + 1);
 
 v1::FileFormat ToProto(core::FileFormat format) {
-  switch (format) {
-    case core::FileFormat::kBvh:
-      return v1::FILE_FORMAT_BVH;
-    case core::FileFormat::kAmc:
-      return v1::FILE_FORMAT_AMC;
-    case core::FileFormat::kTrc:
-      return v1::FILE_FORMAT_TRC;
-    case core::FileFormat::kC3d:
-      return v1::FILE_FORMAT_C3D;
+  return static_cast<v1::FileFormat>(static_cast<int>(format) + 1);
+}
+
+absl::StatusOr<core::FileFormat> ParseFormat(std::string_view field, v1::FileFormat format) {
+  if (format > v1::FILE_FORMAT_UNSPECIFIED && format <= v1::FILE_FORMAT_COLLADA) {
+    return static_cast<core::FileFormat>(static_cast<int>(format) - 1);
   }
-  return v1::FILE_FORMAT_UNSPECIFIED;
+  std::string names;
+  for (const core::FormatInfo& info : core::KnownFormats()) {
+    names += (names.empty() ? "" : ", ") + std::string(info.name);
+  }
+  return FieldViolation(field, "unknown format {}; expected one of {}", static_cast<int>(format),
+                        names);
+}
+
+absl::StatusOr<core::FileFormat> ParseWrittenFormat(std::string_view field, v1::FileFormat format) {
+  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat parsed, ParseFormat(field, format));
+  if (core::InfoOf(parsed).is_written) return parsed;
+  return FieldViolation(field, "{} files are read only; expected BVH, TRC, C3D, CSV, NPZ or GLTF",
+                        core::InfoOf(parsed).name);
 }
 
 absl::StatusOr<core::FileFormat> ParseFileFormat(std::string_view prefix, v1::FileFormat format,
                                                  const std::string& file_name) {
-  switch (format) {
-    case v1::FILE_FORMAT_BVH:
-      return core::FileFormat::kBvh;
-    case v1::FILE_FORMAT_AMC:
-      return core::FileFormat::kAmc;
-    case v1::FILE_FORMAT_TRC:
-      return core::FileFormat::kTrc;
-    case v1::FILE_FORMAT_C3D:
-      return core::FileFormat::kC3d;
-    case v1::FILE_FORMAT_UNSPECIFIED:
-      break;
-    default:
-      return FieldViolation(fmt::format("{}.format", prefix),
-                            "unknown format {}; expected BVH, AMC, TRC or C3D",
-                            static_cast<int>(format));
+  if (format != v1::FILE_FORMAT_UNSPECIFIED) {
+    return ParseFormat(fmt::format("{}.format", prefix), format);
   }
   auto by_extension = core::FormatOfPath(file_name);
   if (by_extension.ok()) return by_extension;
@@ -49,8 +54,8 @@ absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
   if (format == core::FileFormat::kAmc && skeleton_file_name.empty()) {
     return FieldViolation(field, "expected the ASF skeleton file of the AMC file");
   }
-  if (format != core::FileFormat::kAmc && !skeleton_file_name.empty()) {
-    return FieldViolation(field, "only an AMC file has a skeleton file; omit '{}'",
+  if (core::InfoOf(format).skeleton.empty() && !skeleton_file_name.empty()) {
+    return FieldViolation(field, "only AMC and CSV files have a skeleton file; omit '{}'",
                           skeleton_file_name);
   }
   return absl::OkStatus();
@@ -70,6 +75,8 @@ absl::StatusOr<Conventions> ParseConventions(std::string_view prefix,
     from.read.frame_rate_hz = conventions.frame_rate_hz();
     MOTIONDB_RETURN_IF_ERROR(CheckPositive(field("frame_rate_hz"), *from.read.frame_rate_hz));
   }
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainText(field("take"), conventions.take(), kMaxTakeBytes));
+  from.read.take = conventions.take();
   if (conventions.has_leg_length_m()) {
     from.leg_length_m = conventions.leg_length_m();
     MOTIONDB_RETURN_IF_ERROR(CheckPositive(field("leg_length_m"), *from.leg_length_m));

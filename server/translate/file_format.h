@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
@@ -11,6 +12,12 @@
 namespace motiondb::server {
 
 v1::FileFormat ToProto(core::FileFormat format);
+
+// Returns the format of a request. INVALID_ARGUMENT, with the field, lists the known ones.
+absl::StatusOr<core::FileFormat> ParseFormat(std::string_view field, v1::FileFormat format);
+
+// As ParseFormat; INVALID_ARGUMENT also for a format that is read only.
+absl::StatusOr<core::FileFormat> ParseWrittenFormat(std::string_view field, v1::FileFormat format);
 
 // Returns `format`; if unspecified, the format of the extension of `file_name`. `prefix` is the
 // path of the message for errors: "header" for header.format and header.file_name.

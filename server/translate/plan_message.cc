@@ -4,9 +4,10 @@
 
 #include <map>
 
-#include "core/format/writers.h"
+#include "core/export/motion_writer.h"
 #include "core/motion/error.h"
 #include "motiondb/v1/plan.pb.h"
+#include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/observation.h"
 #include "server/translate/resource_name.h"
@@ -83,23 +84,29 @@ void SetFrames(const core::PlannedMotion& motion, v1::PlannedMotion& message) {
 }
 
 // `number` is the number of the motion in the response, from 1.
-absl::Status SetFile(const core::JointMotion& joints, const PlanBody& body, int number,
+absl::Status SetFile(const core::PlannedMotion& motion, const PlanResult& plan, int number,
                      v1::MotionFile& message) {
+  const core::FileFormat format = plan.file_format.value_or(
+      plan.body.is_robot ? core::FileFormat::kCsv : core::FileFormat::kBvh);
+  const bool has_table = format == core::FileFormat::kCsv && motion.joints &&
+                         (plan.body.is_robot || core::IsRobot(*motion.joints->skeleton));
+  const core::Motion written = motion.joints && (has_table || core::HasJoints(format))
+                                   ? core::Motion(*motion.joints)
+                                   : core::Motion(motion.markers);
+  core::Mimics mimics;
+  if (has_table) mimics = plan.body.mimics;
+  MOTIONDB_ASSIGN_OR_RETURN(core::WrittenMotion file, core::WriteMotion(format, written, mimics));
+  *message.mutable_data() = std::move(file.bytes);
+  for (const std::string& loss : file.losses) message.add_notes(text::ValidUtf8(loss));
   const std::string stem = number == 1 ? "plan" : fmt::format("plan-{}", number);
-  if (body.is_robot) {
-    MOTIONDB_ASSIGN_OR_RETURN(*message.mutable_data(), core::WriteJointTable(joints, body.mimics));
-    message.set_file_name(stem + ".csv");
-    return absl::OkStatus();
-  }
-  MOTIONDB_ASSIGN_OR_RETURN(*message.mutable_data(), core::WriteBvh(joints));
-  message.set_file_name(stem + ".bvh");
+  message.set_file_name(stem + std::string(core::WrittenExtension(format)));
   return absl::OkStatus();
 }
 
 }  // namespace
 
 absl::Status SetPlan(const PlanResult& plan, const std::string& database, const core::Model& model,
-                     bool with_files, const core::Cancelled& cancelled, v1::PlanResponse& message) {
+                     const core::Cancelled& cancelled, v1::PlanResponse& message) {
   const core::PlanAnswer& answer = plan.answer;
   message.set_outcome(ToProto(answer.outcome));
   message.set_missing(text::ValidUtf8(answer.missing));
@@ -125,8 +132,8 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
     to.mutable_bottom_node_ids()->Add(motion.bottom_nodes.begin(), motion.bottom_nodes.end());
     SetFrames(motion, to);
     SetQuality(motion.quality, *to.mutable_quality());
-    if (!with_files || !motion.joints) continue;
-    MOTIONDB_RETURN_IF_ERROR(SetFile(*motion.joints, plan.body, number, *to.mutable_file()));
+    if (!plan.with_files) continue;
+    MOTIONDB_RETURN_IF_ERROR(SetFile(motion, plan, number, *to.mutable_file()));
   }
   return absl::OkStatus();
 }
@@ -282,6 +289,10 @@ absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
   MOTIONDB_RETURN_IF_ERROR(SetStart(request, database, plan));
   MOTIONDB_RETURN_IF_ERROR(SetBody(request, database, plan));
   plan.with_files = request.include_files();
+  if (request.file_format() != v1::FILE_FORMAT_UNSPECIFIED) {
+    MOTIONDB_ASSIGN_OR_RETURN(plan.file_format,
+                              ParseWrittenFormat("file_format", request.file_format()));
+  }
   return plan;
 }
 

@@ -25,9 +25,9 @@ namespace motiondb::server {
 absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
                                              const std::string& database);
 
-// Sets a plan. `with_files` adds each motion as a file. Returns CANCELLED if cancelled.
+// Sets a plan, with files if requested. Returns CANCELLED if cancelled.
 absl::Status SetPlan(const PlanResult& plan, const std::string& database, const core::Model& model,
-                     bool with_files, const core::Cancelled& cancelled, v1::PlanResponse& message);
+                     const core::Cancelled& cancelled, v1::PlanResponse& message);
 
 // Returns the names of the columns of joint angles: the name of the joint if it has one degree of
 // freedom; otherwise "joint.tx", "joint.rx" and so on, by the nearest axis, with a number for a

@@ -208,6 +208,7 @@ void SetClip(const storage::ClipRecord& record, v1::Clip& message) {
   message.set_glitches(text::ValidUtf8(GlitchNoteOf(record.source_report)));
   message.set_representation_version(record.representation_version);
   message.set_derive_error(text::ValidUtf8(record.derive_error));
+  message.set_take(text::ValidUtf8(record.given.take));
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
 }
 

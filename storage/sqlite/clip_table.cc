@@ -26,9 +26,9 @@ std::string SelectClips(std::string_view rest) {
       "duration_seconds, source_frame_rate_hz, leg_length_m, ifnull(skeleton.id, ''), "
       "source_report, content_hash, create_time_us, ifnull(byte_count, 0), "
       "representation_version, tried_version, tried_time_us, derive_error, "
-      "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m FROM clip "
-      "LEFT JOIN skeleton "
-      "USING (skeleton_key) WHERE clip.database_key = ? AND deleted = 0 AND {}",
+      "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m, given_take "
+      "FROM clip LEFT JOIN skeleton USING (skeleton_key) WHERE clip.database_key = ? AND deleted = "
+      "0 AND {}",
       rest);
 }
 
@@ -64,6 +64,7 @@ absl::StatusOr<ClipRecord> ToClipRecord(const std::string& database, const State
   }
   record.given.frame_rate_hz = OptionalReal(row, 21);
   record.given_leg_length_m = OptionalReal(row, 22);
+  record.given.take = row.Text(23);
   return record;
 }
 
@@ -137,9 +138,10 @@ absl::Status InsertRow(Connection& connection, std::int64_t database_key, std::i
           "format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, "
           "source_report, content_hash, root_path_crc, create_time_us, skeleton_key, "
           "representation_version, tried_version, tried_time_us, derive_error, "
-          "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m) "
+          "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m, "
+          "given_take) "
           "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, "
-          "?)",
+          "?, ?)",
           database_key, record.id, record.label, record.subject, record.file_name,
           record.skeleton_file_name, ToText(record.format), record.frame_count,
           record.duration_seconds, record.source_frame_rate_hz, record.leg_length_m,
@@ -147,7 +149,7 @@ absl::Status InsertRow(Connection& connection, std::int64_t database_key, std::i
           skeleton_key, record.representation_version, record.tried_version, record.tried_time_us,
           record.derive_error, record.given.metres_per_unit,
           up ? std::optional<std::string>(ToText(*up)) : std::nullopt, record.given.frame_rate_hz,
-          record.given_leg_length_m)
+          record.given_leg_length_m, record.given.take)
       .Run();
 }
 

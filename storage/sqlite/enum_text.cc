@@ -11,11 +11,6 @@ namespace {
 template <typename Enum, std::size_t kSize>
 using Spellings = std::array<std::pair<Enum, const char*>, kSize>;
 
-constexpr Spellings<core::FileFormat, 4> kFormats{{{core::FileFormat::kBvh, "bvh"},
-                                                   {core::FileFormat::kAmc, "amc"},
-                                                   {core::FileFormat::kTrc, "trc"},
-                                                   {core::FileFormat::kC3d, "c3d"}}};
-
 constexpr Spellings<core::Scaling, 3> kScalings{{{core::Scaling::kNone, "none"},
                                                  {core::Scaling::kKind, "kind"},
                                                  {core::Scaling::kDimension, "dimension"}}};
@@ -52,17 +47,21 @@ const char* Spell(const Spellings<Enum, kSize>& spellings, Enum value) {
   return "";  // violates the CHECK constraint of the column
 }
 
+absl::Status UnknownText(const std::string& text) {
+  return core::DataLoss("the store has an unknown value '{}'", text);
+}
+
 template <typename Enum, std::size_t kSize>
 absl::StatusOr<Enum> Read(const Spellings<Enum, kSize>& spellings, const std::string& text) {
   for (const auto& [value, known] : spellings) {
     if (text == known) return value;
   }
-  return core::DataLoss("the store has an unknown value '{}'", text);
+  return UnknownText(text);
 }
 
 }  // namespace
 
-const char* ToText(core::FileFormat format) { return Spell(kFormats, format); }
+const char* ToText(core::FileFormat format) { return core::InfoOf(format).name.data(); }
 const char* ToText(core::Scaling scaling) { return Spell(kScalings, scaling); }
 const char* ToText(core::GlitchPolicy policy) { return Spell(kGlitchPolicies, policy); }
 const char* ToText(OperationState state) { return Spell(kStates, state); }
@@ -72,7 +71,10 @@ const char* ToText(Role role) { return Spell(kRoles, role); }
 
 template <>
 absl::StatusOr<core::FileFormat> FromText(const std::string& text) {
-  return Read(kFormats, text);
+  for (const core::FormatInfo& info : core::KnownFormats()) {
+    if (info.name == text) return info.format;
+  }
+  return UnknownText(text);
 }
 template <>
 absl::StatusOr<core::Scaling> FromText(const std::string& text) {

@@ -29,11 +29,11 @@ constexpr std::array kTables = {
                  "name"},
     CheckedTable{"clip", "clip_key",
                  "clip_key, database_key, id, label, subject, file_name, skeleton_file_name, "
-                 "format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, "
+                 "frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, "
                  "skeleton_key, source_report, content_hash, root_path_crc, create_time_us, "
                  "deleted, byte_count, representation_version, tried_version, tried_time_us, "
                  "derive_error, given_metres_per_unit, given_up_axis, given_frame_rate_hz, "
-                 "given_leg_length_m",
+                 "given_leg_length_m, format, given_take",
                  "id", true},
     CheckedTable{"skeleton", "skeleton_key", "skeleton_key, database_key, id, encoded_crc", "id",
                  true},

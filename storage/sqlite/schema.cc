@@ -262,6 +262,21 @@ UPDATE operation SET row_crc = motiondb_crc(sequence, id, database_key, state, p
   model_version, error_code, error_message, create_time_us, update_time_us, kind);
 )sql";
 
+// The name of a format has no CHECK, so that a new format needs no migration; only a new column can
+// lose it. A clip may be one take of a file with several.
+constexpr char kFormatsAndTakes[] = R"sql(
+ALTER TABLE clip RENAME COLUMN format TO former_format;
+ALTER TABLE clip ADD COLUMN format TEXT NOT NULL DEFAULT '';
+ALTER TABLE clip ADD COLUMN given_take TEXT NOT NULL DEFAULT '';  -- '': the only one
+UPDATE clip SET format = former_format;
+ALTER TABLE clip DROP COLUMN former_format;
+UPDATE clip SET row_crc = motiondb_crc(clip_key, database_key, id, label, subject, file_name,
+  skeleton_file_name, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m,
+  skeleton_key, source_report, content_hash, root_path_crc, create_time_us, deleted, byte_count,
+  representation_version, tried_version, tried_time_us, derive_error, given_metres_per_unit,
+  given_up_axis, given_frame_rate_hz, given_leg_length_m, format, given_take);
+)sql";
+
 constexpr const char* kMigrations[] = {kFirst,
                                        kExtensions,
                                        kAccess,
@@ -269,7 +284,8 @@ constexpr const char* kMigrations[] = {kFirst,
                                        kClipByteCounts,
                                        kRowChecksums,
                                        kStagedModelsAndGlitches,
-                                       kRepresentationVersions};
+                                       kRepresentationVersions,
+                                       kFormatsAndTakes};
 
 // SQL definition of each table, index, trigger and view by kind and name, without the tables that
 // ANALYZE creates. Descending order of kind: tables come before their indices.

@@ -48,7 +48,9 @@ TEST_CASE("ClipFiles: a folder without motion files is an error", "[client][cli]
   folder.Write("a.asf", "");
   folder.Write(".hidden/a.bvh", "");
   CHECK(ErrorOf({folder.path().string()}) ==
-        folder.path().string() + ": has no motion files (.bvh, .amc, .trc, .c3d)");
+        folder.path().string() +
+            ": has no motion files (.bvh, .amc, .trc, .c3d, .csv, .npz, .glb, .gltf, "
+            ".vrm, .fbx, .dae)");
 }
 
 TEST_CASE("ClipFiles: a pattern is expanded, unless a file has that name", "[client][cli]") {

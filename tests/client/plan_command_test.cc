@@ -252,8 +252,8 @@ TEST_CASE("motiondb plan: refuses invalid options before the call", "[client][cl
   refused(2, "--polygon", {"--goal", "2,1,0", "--polygon", "0,0,1,1,2,0,3"});
   refused(2, "--method", {"--goal", "2,1,0", "--method", "luck"});
   refused(2, "--alternatives", {"--goal", "2,1,0", "--alternatives", "11"});
-  refused(1, "FILE.bvh", {"--goal", "2,1,0", "--out", "plan.csv"});
-  refused(1, "FILE.csv", {"--goal", "2,1,0", "--skeleton", robot, "--out", "plan.bvh"});
+  refused(1, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan.fbx"});
+  refused(1, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan"});
   refused(1, "FILE.svg", {"--goal", "2,1,0", "--plot", "plan.png"});
   refused(1, "none.urdf", {"--goal", "2,1,0", "--skeleton", "none.urdf"});
   CHECK(server.Requests<v1::PlanRequest>("Plan").empty());

@@ -73,7 +73,9 @@ ask() {
 }
 ask create demo --marker-set source --min-frames 4 >/dev/null
 ask ingest demo /tmp/walk.bvh --label walk | tail -n 1
-ask ingest demo /tmp/run.bvh --label run | tail -n 1
+# The server reads GLB with motiondb-import.
+enter_root "$root" motiondb convert /tmp/run.bvh /tmp/run.glb >/dev/null
+ask ingest demo /tmp/run.glb --label run | tail -n 1
 ask recognize demo /tmp/run.bvh --window all | tee "$work/answer"
 grep -q run "$work/answer" || fail "recognize did not find the stored motion"
 kill "$server"

@@ -201,9 +201,9 @@ class PaperDatabase(unittest.TestCase):
                 self.assertNotEqual(result.returncode, 0)
                 self.assertEqual(result.stdout, "")
                 self.assertIn(field, result.stderr)
-        result = self.server.run("plan", "two", "--goal", "1,0,0", "--out", self.path("plan.csv"))
+        result = self.server.run("plan", "two", "--goal", "1,0,0", "--out", self.path("plan.fbx"))
         self.assertNotEqual(result.returncode, 0)
-        self.assertFalse(os.path.exists(self.path("plan.csv")))
+        self.assertFalse(os.path.exists(self.path("plan.fbx")))
 
 
 if __name__ == "__main__":

@@ -1,35 +1,58 @@
 #!/usr/bin/env bash
 # Builds the fuzz targets and runs each for a number of executions or a time. Fails on a finding,
 # and keeps its input in build/fuzz/findings.
-#   tests/fuzz/run.sh [--runs N] [--seconds S] [TARGET...]     TARGET: bvh, recognize, ... (all)
-# Each target runs N times (default: for some seconds) or S seconds. Inputs that cover new code are
-# kept in build/fuzz/corpus for the next run.
+#   tests/fuzz/run.sh [--runs N] [--seconds S] [--import PROGRAM] [TARGET...]
+# TARGET: bvh, recognize, ..., import (all). Each target runs N times (default: for some seconds) or
+# S seconds. Inputs that cover new code are kept in build/fuzz/corpus for the next run. `import`
+# runs import_fuzz.py on the program motiondb-import, by default that of build/release.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-files=(bvh amc trc c3d urdf marker_set)
+files=(bvh amc trc c3d csv urdf marker_set npz gzip motion_codec)  # seeds: motion_seeds.cc
 blobs=(chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec)
 requests=(names ingest_stream recognize estimate predict represent observe plan restore)
-all=("${files[@]}" "${blobs[@]}" "${requests[@]}")
+all=("${files[@]}" "${blobs[@]}" "${requests[@]}" import)
 runs=""
 seconds=""
+importer=build/release/import/motiondb-import
 targets=()
 while [ $# -gt 0 ]; do
   case "$1" in
     --runs) runs=$2; shift 2 ;;
     --seconds) seconds=$2; shift 2 ;;
-    -*) echo "usage: tests/fuzz/run.sh [--runs N] [--seconds S] [TARGET...]" >&2; exit 2 ;;
+    --import) importer=$2; shift 2 ;;
+    -*) echo "usage: tests/fuzz/run.sh [--runs N] [--seconds S] [--import PROGRAM] [TARGET...]" >&2
+        exit 2 ;;
     *) targets+=("$1"); shift ;;
   esac
 done
+is_complete=$((${#targets[@]} == 0))
 [ ${#targets[@]} -gt 0 ] || targets=("${all[@]}")
+with_import=0
+for i in "${!targets[@]}"; do
+  [ "${targets[i]}" != import ] || { with_import=1; unset "targets[$i]"; }
+done
+if [ $with_import = 1 ] && [ ! -x "$importer" ]; then
+  [ $is_complete = 1 ] || { echo "no program $importer" >&2; exit 2; }
+  echo "skipped: import: no $importer"
+  with_import=0
+fi
+
+failed=0
+if [ $with_import = 1 ]; then
+  amount=(--seconds "${seconds:-20}")
+  [ -z "$runs" ] || amount=(--runs "$runs")
+  tests/fuzz/import_fuzz.py --program "$importer" "${amount[@]}" || failed=1
+fi
+[ ${#targets[@]} -gt 0 ] || exit $failed
 
 # Number of executions that take some seconds.
 runs_of() {
   case "$1" in
     plan | restore) echo 150 ;;
     recognize | estimate | predict | observe) echo 1000 ;;
-    represent | ingest_stream | model_codec) echo 5000 ;;
+    represent | ingest_stream | model_codec | npz) echo 5000 ;;
+    gzip) echo 3000 ;;
     *) echo 20000 ;;
   esac
 }
@@ -64,7 +87,6 @@ export ASAN_OPTIONS="allocator_may_return_null=0:detect_leaks=0:${ASAN_OPTIONS:-
 mkdir -p build/fuzz/findings
 figures=build/fuzz/figures.tsv
 printf 'target\texecutions\tcorpus\tnew coverage\tfindings\texec/s\n' >"$figures"
-failed=0
 for target in "${targets[@]}"; do
   corpus=build/fuzz/corpus/$target
   log=build/fuzz/$target.log

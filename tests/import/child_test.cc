@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdlib>
@@ -55,7 +56,9 @@ TEST_CASE("Child: a child that hangs is stopped", "[import]") {
       },
       {.cpu_seconds = 1});
   CHECK(hung.status().code() == absl::StatusCode::kResourceExhausted);
-  CHECK(hung.status().message() == "reading needs more than 1 s of processor time");
+  // On a busy machine the time on the clock ends first.
+  CHECK((hung.status().message() == "reading needs more than 1 s of processor time" ||
+         hung.status().message() == "reading takes longer than 2 s"));
 }
 
 TEST_CASE("Child: one that waits, or writes slowly or without end, is stopped", "[import]") {
@@ -148,8 +151,10 @@ TEST_CASE("Child: ends with its object", "[import]") {
   REQUIRE(child.ok());
   const int descriptor = dup(child->descriptor());
   { const Child gone = *std::move(child); }
-  char byte = 0;
-  CHECK(read(descriptor, &byte, 1) == 0);  // its end of the pipe is closed: it has ended
+  std::array<char, 8> bytes{};
+  ssize_t count = 1;
+  while (count > 0) count = read(descriptor, bytes.data(), bytes.size());
+  CHECK(count == 0);  // its end of the pipe is closed: it has ended
   close(descriptor);
 }
 

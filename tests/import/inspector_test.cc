@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "import/inspection_json.h"
 #include "tests/support/humanoid_bvh.h"
 #include "tests/support/temporary_directory.h"
 

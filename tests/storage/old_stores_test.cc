@@ -15,7 +15,7 @@ namespace motiondb::tests::old_stores_test {
 
 TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its content",
           "[storage][migration]") {
-  const int version = GENERATE(1, 2, 3, 4, 5, 6, 7);
+  const int version = GENERATE(1, 2, 3, 4, 5, 6, 7, 8);
   const StoreFile file;
   std::ofstream(file.path(), std::ios::binary) << OldStore(version);
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));
@@ -53,6 +53,8 @@ TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its c
       REQUIRE_FALSE(clip.given.up_axis);
       REQUIRE(clip.given.frame_rate_hz == clip.source_frame_rate_hz);
       REQUIRE(clip.given_leg_length_m == clip.leg_length_m);
+      REQUIRE(clip.given.take.empty());
+      REQUIRE(clip.format == core::FileFormat::kBvh);
     }
     for (const auto& operation : Require(store->ListOperations("walks", "", 10))) {
       REQUIRE(operation.kind == storage::OperationKind::kRebuild);

@@ -22,6 +22,10 @@ inline constexpr absl::string_view kErrorInfoTypeUrl = "type.googleapis.com/goog
 // (docs/api.md lists them); empty for an error of another origin.
 std::string ErrorReason(const absl::Status& status);
 
+// Returns the value of a key of google.rpc.ErrorInfo.metadata, such as "operation" or "takes";
+// empty if there is none.
+std::string ErrorMetadata(const absl::Status& status, const std::string& key);
+
 // Returns the id of the failed call, as in the server's log; empty if no call was made.
 std::string RequestId(const absl::Status& status);
 

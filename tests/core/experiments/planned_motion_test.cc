@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/export/writers.h"
 #include "core/format/marker_set_file.h"
-#include "core/format/writers.h"
 #include "core/kinematics/inverse_kinematics.h"
 #include "core/kinematics/root_velocity.h"
 #include "core/planning/body.h"

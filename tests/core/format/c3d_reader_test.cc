@@ -3,6 +3,7 @@
 
 #include "tests/core/format/c3d_builder.h"
 #include "tests/core/format/reading.h"
+#include "tests/support/real_data.h"
 
 namespace motiondb::tests::c3d_reader_test {
 namespace {
@@ -41,7 +42,8 @@ TEST_CASE("C3D: every processor, integer and real data", "[core][format]") {
       CAPTURE(static_cast<int>(processor), real);
       const auto file = ReadC3d(builder.Build());
       const core::MarkerMotion& motion = Markers(file);
-      CHECK(core::Describe(file->report) == "unit 0.001 m (stated), z up (deduced)");
+      CHECK(core::Describe(file->report) ==
+            "unit 0.001 m (stated), z up (deduced); skipped 3 analog channels at 100 Hz");
       CHECK(motion.names == std::vector<std::string>{"LFHD", "LTOE"});
       CHECK(motion.frame_rate_hz == 100);
       REQUIRE(motion.positions_m.rows() == 3);
@@ -128,6 +130,146 @@ TEST_CASE("C3D: frames may start late and exceed 65535", "[core][format]") {
   builder.long_count = true;
   builder.frames.resize(70000, builder.frames[0]);
   CHECK(Markers(ReadC3d(builder.Build())).positions_m.rows() == 70000);
+}
+
+TEST_CASE("C3D: long recordings have their length in TRIAL or LONG_FRAMES", "[core][format]") {
+  C3dBuilder builder = TwoMarkers();
+  builder.real = false;
+  builder.frames.resize(70'000, builder.frames[0]);
+  builder.frames[69'999][0].z = 1000;
+  builder.long_frames = true;
+  const auto in_point = ReadC3d(builder.Build());
+  REQUIRE(Markers(in_point).positions_m.rows() == 70'000);
+  CHECK(Markers(in_point).positions_m(69'999, 2) == Approx(1));
+  builder.long_frames = false;
+  builder.long_count = true;
+  builder.first_frame = 70'001;  // more than the header can hold
+  const auto in_trial = ReadC3d(builder.Build());
+  REQUIRE(Markers(in_trial).positions_m.rows() == 70'000);
+  CHECK_THAT(core::Describe(in_trial->report), Contains("frames start at 70001"));
+}
+
+TEST_CASE("C3D: several hundred points are named by LABELS, LABELS2 and LABELS3",
+          "[core][format]") {
+  C3dBuilder builder;
+  for (int point = 0; point < 600; ++point) {
+    builder.labels.push_back("p" + std::to_string(point));
+  }
+  builder.frames.emplace_back(600, C3dPoint{1, 2, 3});
+  const auto file = ReadC3d(builder.Build());
+  CHECK(Markers(file).names == builder.labels);
+}
+
+TEST_CASE("C3D: analog channels, force platforms and events are skipped", "[core][format]") {
+  C3dBuilder builder = TwoMarkers();
+  builder.labels = {"a", "b"};
+  builder.y_screen = "+Z";
+  const std::string without = core::Describe(ReadC3d(builder.Build())->report);
+  const auto expected = Markers(ReadC3d(builder.Build()));
+  builder.events = true;
+  CHECK(core::Describe(ReadC3d(builder.Build())->report) == without);
+  builder.analog_per_frame = 160;
+  builder.analog_ratio = 10;
+  builder.force_platforms = 2;
+  for (const int used : {0, 16}) {  // in the header, in ANALOG
+    builder.analog_used = used;
+    builder.analog_ratio = used == 0 ? 10 : 0;
+    const auto file = ReadC3d(builder.Build());
+    CHECK_THAT(core::Describe(file->report),
+               Contains("skipped 16 analog channels at 1000 Hz, 2 force platforms"));
+    CHECK(Markers(file).names == expected.names);
+    CHECK(Markers(file).positions_m(0, 0) == expected.positions_m(0, 0));
+    CHECK(Markers(file).positions_m(2, 5) == expected.positions_m(2, 5));
+  }
+}
+
+TEST_CASE("C3D: recorded analog channels and force platforms", "[core][format][data]") {
+  MOTIONDB_REQUIRE_DATA();
+  for (const char* name :
+       {"sample02_pc_int.c3d", "sample02_Dec_real.c3d", "sample02_sgi_int.c3d"}) {
+    CAPTURE(name);
+    const auto file = ReadC3d(ReadFile(DataDir() / "formats/c3d" / name));
+    CHECK(Markers(file).frame_rate_hz == 50);
+    CHECK_THAT(core::Describe(file->report),
+               Contains("skipped 16 analog channels at 200 Hz, 2 force platforms"));
+  }
+}
+
+TEST_CASE("C3D: units in several languages", "[core][format]") {
+  const std::pair<const char*, double> units[] = {{"MM", 0.001},
+                                                  {"[mm]", 0.001},
+                                                  {"mm.", 0.001},
+                                                  {"millimeter", 0.001},
+                                                  {"Millim\xE8tres", 0.001},
+                                                  {"mil\xC3\xADmetros", 0.001},
+                                                  {"millimetri", 0.001},
+                                                  {"Cm", 0.01},
+                                                  {"Zentimeter", 0.01},
+                                                  {"centim\xC3\xA8tre", 0.01},
+                                                  {"dm", 0.1},
+                                                  {"M", 1},
+                                                  {"m\xC3\xA8tres", 1},
+                                                  {"metri", 1},
+                                                  {"in.", 0.0254},
+                                                  {"Zoll", 0.0254},
+                                                  {"pouces", 0.0254},
+                                                  {"feet", 0.3048}};
+  C3dBuilder builder = TwoMarkers();
+  for (const auto& [name, metres] : units) {
+    CAPTURE(name);
+    builder.units = name;
+    const auto file = ReadC3d(builder.Build());
+    CHECK(Markers(file).positions_m(0, 0) == Approx(100 * metres));
+    CHECK(file->report.unit_provenance == Provenance::kStated);
+  }
+  for (const char* name : {"furlong", "miles", "mmm", "s", "?"}) {
+    CAPTURE(name);
+    builder.units = name;
+    CHECK(core::Describe(ReadC3d(builder.Build())->report) ==
+          "unit 0.001 m (deduced), z up (deduced); unknown unit '" + std::string(name) + "'");
+  }
+}
+
+TEST_CASE("C3D: the header replaces an unusable scale or rate of the parameters",
+          "[core][format]") {
+  for (const bool real : {true, false}) {
+    for (const float scale : {0.0F, NAN, INFINITY}) {
+      C3dBuilder builder = TwoMarkers();
+      builder.real = real;
+      builder.scale_parameter = scale;
+      const auto file = ReadC3d(builder.Build());
+      CHECK(Markers(file).positions_m(0, 2) == Approx(1.7));
+      CHECK_THAT(core::Describe(file->report),
+                 Contains("POINT:SCALE is") && Contains("0.1") && Contains("of the header used"));
+      builder.scale = scale;
+      CHECK_THAT(ErrorMessageOf(ReadC3d(builder.Build())),
+                 Contains("walk: byte 12: expected a scale that is finite and not 0, found"));
+    }
+  }
+  C3dBuilder builder = TwoMarkers();
+  builder.rate_parameter = 0.0F;
+  const auto file = ReadC3d(builder.Build());
+  CHECK(Markers(file).frame_rate_hz == 100);
+  CHECK_THAT(core::Describe(file->report), Contains("POINT:RATE is 0: 100 of the header used"));
+}
+
+TEST_CASE("C3D: parameters may be far from the header, after the frames, or before their groups",
+          "[core][format]") {
+  const auto expected = Markers(ReadC3d(TwoMarkers().Build()));
+  const auto check = [&](const C3dBuilder& builder) {
+    const auto file = ReadC3d(builder.Build());
+    CHECK(Markers(file).names == expected.names);
+    CHECK(Markers(file).positions_m.row(0) == expected.positions_m.row(0));
+    CHECK(Markers(file).positions_m.row(2) == expected.positions_m.row(2));
+    CHECK(file->report.unit_provenance == Provenance::kStated);
+  };
+  C3dBuilder builder = TwoMarkers();
+  builder.parameter_block = 7;
+  check(builder);
+  builder.groups_last = true;
+  check(builder);
+  builder.data_first = true;
+  check(builder);
 }
 
 TEST_CASE("C3D: invalid headers are refused with their position", "[core][format]") {

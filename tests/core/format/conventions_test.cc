@@ -61,9 +61,17 @@ TEST_CASE("FormatOfPath: by extension, in any case", "[core][format]") {
   CHECK(*core::FormatOfPath("WALK.AMC") == FileFormat::kAmc);
   CHECK(*core::FormatOfPath("walk.Trc") == FileFormat::kTrc);
   CHECK(*core::FormatOfPath(".c3d") == FileFormat::kC3d);
-  for (const char* path : {"", "walk", "walk.fbx", "walk.bvh.gz", "bvh"}) {
+  CHECK(*core::FormatOfPath("a.b.vrm") == FileFormat::kGltf);
+  CHECK(*core::FormatOfPath("walk.csv.GZ") == FileFormat::kCsv);
+  for (const char* path : {"", "walk", "walk.txt", "walk.txt.gz", "walk.gz", ".gz", "bvh"}) {
     CHECK(core::FormatOfPath(path).status().code() == absl::StatusCode::kInvalidArgument);
   }
+}
+
+TEST_CASE("NeedsImport: by format and by compression", "[core][format]") {
+  CHECK(core::NeedsImport(FileFormat::kBvh, "\x1f\x8b"));
+  CHECK_FALSE(core::NeedsImport(FileFormat::kBvh, "HIERARCHY"));
+  CHECK(core::NeedsImport(FileFormat::kFbx, ""));
 }
 
 }  // namespace motiondb::tests::conventions_test

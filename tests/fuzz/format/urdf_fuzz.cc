@@ -1,8 +1,8 @@
 // URDF files of robots.
 #include <cmath>
 
+#include "core/export/writers.h"
 #include "core/format/urdf_reader.h"
-#include "core/format/writers.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"
 #include "tests/fuzz/support/properties.h"

@@ -31,7 +31,7 @@ absl::Status Plan(const v1::PlanRequest& request, v1::PlanResponse& response) {
   server::PlanResult result{.body = prepared.body};
   MOTIONDB_ASSIGN_OR_RETURN(result.answer, core::PlanMotion(query.model(), prepared.body.scheme,
                                                             prepared.problem, control));
-  return server::SetPlan(result, "db", query.model(), request.include_files(), cancelled, response);
+  return server::SetPlan(result, "db", query.model(), cancelled, response);
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ TEST_CASE("ClipService: a bad ingest is refused with a reason and changes nothin
   CHECK(bad_file.error_message().find("bad.bvh:") != std::string::npos);
   CHECK(ViolatedFields(bad_file) == "file_block");
   CHECK(server.Ingest(Header("empty.bvh"), "").error_code() == grpc::StatusCode::INVALID_ARGUMENT);
-  CHECK(ViolatedFields(server.Ingest(Header("walk.fbx"), walk)) == "header.file_name");
+  CHECK(ViolatedFields(server.Ingest(Header("walk.txt"), walk)) == "header.file_name");
   v1::IngestClipHeader nowhere = Header("walk.bvh");
   nowhere.set_parent("databases/other");
   CHECK(server.Ingest(nowhere, walk).error_code() == grpc::StatusCode::NOT_FOUND);

@@ -74,7 +74,7 @@ TEST_CASE("IngestStream: the error names the invalid field of the header", "[ser
   expect("parent", [](auto& header) { header.set_parent("db"); });
   expect("file_name", [](auto& header) { header.set_file_name(""); });
   expect("file_name", [](auto& header) { header.set_file_name("folder/"); });
-  expect("file_name", [](auto& header) { header.set_file_name("walk.fbx"); });
+  expect("file_name", [](auto& header) { header.set_file_name("walk.txt"); });
   expect("file_name", [](auto& header) { header.set_file_name("a\nb.bvh"); });
   for (const char* name : {".walk.bvh", "-rf.bvh", "a\xC2\x9B.bvh", "a\xE2\x80\xAE.bvh"}) {
     expect("file_name", [name](auto& header) { header.set_file_name(name); });
@@ -82,7 +82,7 @@ TEST_CASE("IngestStream: the error names the invalid field of the header", "[ser
            [name](auto& header) { header.set_label(std::string(name).substr(1) + "\u2028"); });
     expect("subject", [name](auto& header) { header.set_subject(std::string(name) + "\u061c"); });
   }
-  expect("format", [](auto& header) { header.set_format(static_cast<v1::FileFormat>(9)); });
+  expect("format", [](auto& header) { header.set_format(static_cast<v1::FileFormat>(99)); });
   expect("skeleton_file_name", [](auto& header) { header.set_skeleton_file_name("a.asf"); });
   expect("skeleton_file_name", [](auto& header) { header.set_file_name("walk.amc"); });
   expect("label", [](auto& header) { header.set_label(std::string(300, 'x')); });

@@ -49,10 +49,11 @@ core::PlannedMotion Motion() {
 }
 
 absl::Status Set(const core::PlanAnswer& answer, bool files, v1::PlanResponse& message,
-                 const PlanBody& body = {}) {
+                 const PlanBody& body = {}, std::optional<core::FileFormat> format = std::nullopt) {
   const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
   return SetPlan(
-      {.answer = answer, .body = body}, "db", model, files, [] { return false; }, message);
+      {.answer = answer, .body = body, .with_files = files, .file_format = format}, "db", model,
+      [] { return false; }, message);
 }
 
 TEST_CASE("DofNames: the name of the joint, with the axis if it has several",
@@ -70,7 +71,7 @@ TEST_CASE("PlanMessage: the best plan, alternatives and the search", "[server][t
   answer.motions = {Motion(), Motion()};
   answer.motions[1].quality.smallest_clearance_m = -0.5;
   v1::PlanResponse message;
-  REQUIRE(Set(answer, true, message).ok());
+  REQUIRE(Set(answer, true, message, {}, core::FileFormat::kTrc).ok());
   CHECK(message.outcome() == v1::PLAN_OUTCOME_DEADLINE);
   CHECK(message.missing() == "time");
   CHECK(message.leg_length_m() == 0.9);
@@ -95,7 +96,8 @@ TEST_CASE("PlanMessage: the best plan, alternatives and the search", "[server][t
   CHECK(motion.quality().joint_limit_violations() == 7);
   CHECK(!motion.quality().has_smallest_clearance_m());
   CHECK(motion.dof_names_size() == 0);
-  CHECK(!motion.has_file());
+  // Without a body, the file has the markers.
+  CHECK(motion.file().file_name() == "plan.trc");
   REQUIRE(message.alternatives_size() == 1);
   CHECK(message.alternatives(0).quality().smallest_clearance_m() == -0.5);
 }
@@ -130,7 +132,7 @@ TEST_CASE("PlanMessage: a cancelled call writes no files", "[server][translate]"
   v1::PlanResponse message;
   const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
   CHECK(absl::IsCancelled(SetPlan(
-      {.answer = answer}, "db", model, false, [] { return true; }, message)));
+      {.answer = answer}, "db", model, [] { return true; }, message)));
 }
 
 }  // namespace

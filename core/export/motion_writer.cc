@@ -1,0 +1,186 @@
+#include "core/export/motion_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "core/export/writers.h"
+#include "core/format/motion_file.h"
+#include "core/motion/error.h"
+#include "core/motion/forward_kinematics.h"
+
+namespace motiondb::core {
+namespace {
+
+// Fills the gaps of one column and returns the number of filled frames; -1 if it has no number.
+Eigen::Index FillColumn(Eigen::Ref<Eigen::VectorXd> column) {
+  Eigen::Index filled = 0;
+  Eigen::Index known = -1;  // the last frame before the gap
+  for (Eigen::Index frame = 0; frame < column.size(); ++frame) {
+    if (std::isnan(column[frame])) continue;
+    for (Eigen::Index gap = known + 1; gap < frame; ++gap, ++filled) {
+      const double part =
+          known < 0 ? 1 : static_cast<double>(gap - known) / static_cast<double>(frame - known);
+      column[gap] =
+          known < 0 ? column[frame] : column[known] + part * (column[frame] - column[known]);
+    }
+    known = frame;
+  }
+  if (known < 0) return -1;
+  for (Eigen::Index gap = known + 1; gap < column.size(); ++gap, ++filled) {
+    column[gap] = column[known];
+  }
+  return filled;
+}
+
+// Returns a skeleton with a joint that only moves for each marker, under one root at the origin.
+absl::StatusOr<JointMotion> MarkersAsJoints(const MarkerMotion& markers, WrittenMotion& written) {
+  constexpr Eigen::Index kRootDofs = 3;  // a root without motion has none in some readers
+  std::vector<Joint> joints;
+  Joint root{.name = "points"};
+  for (int axis = 0; axis < 3; ++axis) {
+    root.dofs.push_back({Dof::Kind::kTranslation, Eigen::Vector3d::Unit(axis)});
+  }
+  joints.push_back(root);
+  JointMatrix angles =
+      JointMatrix::Zero(markers.positions_m.rows(), kRootDofs + 3 * std::ssize(markers.names));
+  Eigen::Index next = kRootDofs;
+  Eigen::Index filled = 0;
+  std::string missing;
+  for (std::size_t i = 0; i < markers.names.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(3 * i);
+    Eigen::MatrixXd positions = markers.positions_m.middleCols(at, 3).cast<double>();
+    Eigen::Index of_marker = 0;
+    for (int axis = 0; axis < 3; ++axis) of_marker = FillColumn(positions.col(axis));
+    if (of_marker < 0) {
+      missing += (missing.empty() ? "" : ", ") + markers.names[i];
+      continue;
+    }
+    filled += of_marker;
+    Joint joint = root;
+    joint.name = markers.names[i] == root.name ? markers.names[i] + "_point" : markers.names[i];
+    joint.parent = 0;
+    joints.push_back(std::move(joint));
+    angles.middleCols(next, 3) = positions;
+    next += 3;
+  }
+  if (joints.size() == 1) return InvalidArgument("no marker has a position in any frame");
+  if (!missing.empty()) written.losses.push_back("markers without a position: " + missing);
+  if (filled > 0) written.losses.push_back(fmt::format("gaps: {} positions are filled", filled));
+  angles.conservativeResize(Eigen::NoChange, next);
+  MOTIONDB_ASSIGN_OR_RETURN(Skeleton skeleton, Skeleton::Create("points", std::move(joints)));
+  return JointMotion{std::make_shared<const Skeleton>(std::move(skeleton)), markers.frame_rate_hz,
+                     std::move(angles)};
+}
+
+absl::StatusOr<JointMotion> ToJoints(const Motion& motion, WrittenMotion& written) {
+  if (const auto* const joints = std::get_if<JointMotion>(&motion)) return *joints;
+  return MarkersAsJoints(std::get<MarkerMotion>(motion), written);
+}
+
+MarkerMotion ToMarkers(const Motion& motion, std::string_view format, WrittenMotion& written) {
+  if (const auto* const markers = std::get_if<MarkerMotion>(&motion)) return *markers;
+  written.losses.push_back(
+      fmt::format("hierarchy and joint rotations: {} has points only", format));
+  return JointsAsMarkers(std::get<JointMotion>(motion));
+}
+
+bool HasLimits(const Motion& motion) {
+  const auto* const joints = std::get_if<JointMotion>(&motion);
+  if (joints == nullptr) return false;
+  for (const Joint& joint : joints->skeleton->joints()) {
+    for (const Dof& dof : joint.dofs) {
+      if (std::isfinite(dof.lower) || std::isfinite(dof.upper)) return true;
+    }
+  }
+  return false;
+}
+
+absl::StatusOr<std::string> BytesOf(FileFormat format, const Motion& motion, const Mimics& mimics,
+                                    WrittenMotion& written) {
+  switch (format) {
+    case FileFormat::kBvh: {
+      MOTIONDB_ASSIGN_OR_RETURN(const JointMotion joints, ToJoints(motion, written));
+      if (HasLimits(motion)) written.losses.emplace_back("joint limits: BVH has none");
+      return WriteBvh(joints);
+    }
+    case FileFormat::kGltf: {
+      MOTIONDB_ASSIGN_OR_RETURN(const JointMotion joints, ToJoints(motion, written));
+      if (HasLimits(motion)) written.losses.emplace_back("joint limits: glTF has none");
+      return WriteGlb(joints);
+    }
+    case FileFormat::kTrc:
+      return WriteTrc(ToMarkers(motion, "TRC", written));
+    case FileFormat::kC3d:
+      return WriteC3d(ToMarkers(motion, "C3D", written));
+    case FileFormat::kCsv:
+      if (const auto* const joints = std::get_if<JointMotion>(&motion); joints && mimics) {
+        return WriteJointTable(*joints, *mimics);
+      }
+      return WritePointTable(ToMarkers(motion, "a table of points", written));
+    case FileFormat::kNpz:
+      return WriteNpz(motion);
+    default:
+      return InvalidArgument("{} files are read only", InfoOf(format).name);
+  }
+}
+
+}  // namespace
+
+bool HasJoints(FileFormat format) {
+  return format == FileFormat::kBvh || format == FileFormat::kGltf || format == FileFormat::kNpz;
+}
+
+bool IsRobot(const Skeleton& skeleton) {
+  constexpr std::size_t kFloating = 6;
+  const std::vector<Joint>& joints = skeleton.joints();
+  if (joints[0].dofs.size() != kFloating || joints.size() == 1) return false;
+  return std::all_of(joints.begin() + 1, joints.end(), [](const Joint& joint) {
+    return joint.parent >= 0 && joint.dofs.size() <= 1;
+  });
+}
+
+MarkerMotion JointsAsMarkers(const JointMotion& motion) {
+  MarkerMotion markers;
+  for (const Joint& joint : motion.skeleton->joints()) markers.names.push_back(joint.name);
+  markers.frame_rate_hz = motion.frame_rate_hz;
+  markers.positions_m = JointPositions(motion);
+  return markers;
+}
+
+namespace {
+
+// BVH states neither unit nor up axis, TRC no up axis: readers deduce them from the body. Reports
+// what ours would deduce wrongly.
+void CheckConventions(FileFormat format, WrittenMotion& written) {
+  if (format != FileFormat::kBvh && format != FileFormat::kTrc) return;
+  const auto back = ReadMotionFile(format, {"written", written.bytes});
+  if (!back.ok()) return;  // one frame is not enough to read
+  constexpr double kCentimetre = 0.01;
+  const bool is_bvh = format == FileFormat::kBvh;
+  if (is_bvh && std::abs(back->report.metres_per_unit - kCentimetre) > 1e-6) {
+    written.losses.emplace_back("unit: BVH states none; read it with --metres-per-unit 0.01");
+  }
+  if (back->report.up_axis != UpAxis::kY) {
+    written.losses.push_back(
+        fmt::format("up axis: {} states none; read it with --up-axis y", is_bvh ? "BVH" : "TRC"));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<WrittenMotion> WriteMotion(FileFormat format, const Motion& motion,
+                                          const Mimics& mimics) {
+  if (const auto* const joints = std::get_if<JointMotion>(&motion)) {
+    MOTIONDB_RETURN_IF_ERROR(CheckWritable(InfoOf(format).name, *joints));
+  }
+  WrittenMotion written;
+  MOTIONDB_ASSIGN_OR_RETURN(written.bytes, BytesOf(format, motion, mimics, written));
+  CheckConventions(format, written);
+  return written;
+}
+
+}  // namespace motiondb::core

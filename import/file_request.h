@@ -1,0 +1,50 @@
+// Requests of motiondb-import: one JSON object in one line names a file and how to read it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "core/format/motion_file.h"
+#include "import/input_bytes.h"
+
+namespace motiondb::importer {
+
+struct FileRequest {
+  std::string file;           // path
+  std::string name;           // for messages and, without `format`, for the format; empty: the path
+  std::string skeleton;       // path of the ASF of an AMC file or the URDF of a robot; empty: none
+  std::string skeleton_name;  // for messages; empty: the path
+  std::optional<core::FileFormat> format;
+  core::ReadOptions given;
+  std::optional<double> leg_length_m;          // inspect
+  std::optional<core::FileFormat> written_as;  // convert
+
+  const std::string& shown_name() const { return name.empty() ? file : name; }
+};
+
+// INVALID_ARGUMENT says what is wrong with the line.
+absl::StatusOr<FileRequest> ParseFileRequest(std::string_view line);
+
+// The files of a request, mapped into memory.
+class RequestedFiles {
+ public:
+  // Errors name the file. `max_bytes`: of each file.
+  static absl::StatusOr<RequestedFiles> Open(const FileRequest& request, std::size_t max_bytes);
+
+  // Reads the motion in any format, gzip included. Called in the sandbox. `max_bytes`: after
+  // decompression. Errors: see ReadMotionFile.
+  absl::StatusOr<core::MotionFile> Read(const FileRequest& request, std::size_t max_bytes) const;
+
+  core::FileFormat format() const { return format_; }
+  std::optional<core::SourceFile> skeleton(const FileRequest& request) const;
+
+ private:
+  core::FileFormat format_ = core::FileFormat::kBvh;
+  InputBytes file_;
+  InputBytes skeleton_;
+};
+
+}  // namespace motiondb::importer

@@ -1,0 +1,52 @@
+// The takes of a scene, and the nodes that they animate.
+#pragma once
+
+#include <assimp/scene.h>
+
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "import/scene/scene_nodes.h"
+
+namespace motiondb::importer {
+
+// Where a name of an animation channel or a bone leads.
+struct NodePlace {
+  int node = -1;             // index in SceneNodes
+  int part = 0;              // of the node; the last is the node itself
+  bool is_repeated = false;  // several nodes have this name: assimp does not tell them apart
+};
+
+using NodePlaces = std::unordered_map<std::string_view, NodePlace>;
+
+NodePlaces FindPlaces(const std::vector<SceneNode>& nodes);
+
+// What is known of a node from all takes.
+struct NodeUse {
+  bool has_channel = false;
+  bool moves = false;  // a key of a channel differs from the first one
+  bool is_bone = false;
+  bool is_view = false;  // camera or light
+};
+
+// In the order of `nodes`. O(nodes + keys + bones).
+std::vector<NodeUse> UsesOfNodes(const aiScene& scene, const std::vector<SceneNode>& nodes,
+                                 const NodePlaces& places);
+
+struct SceneTake {
+  std::string name;  // unique in the file, not empty
+  const aiAnimation* animation = nullptr;
+};
+
+// Returns the take with the name `wanted`, or else with this number from 1; for an empty text the
+// only one. A take in which no node moves, besides cameras and lights, does not count if others
+// move. INVALID_ARGUMENT, TAKE_REQUIRED with the JSON array of the names (at most 100) as resource
+// "takes", if `wanted` is missing or names no take. REQUIRES: there is a take.
+absl::StatusOr<SceneTake> ChooseTake(std::string_view file_name, const aiScene& scene,
+                                     const NodePlaces& places, const std::vector<NodeUse>& uses,
+                                     std::string_view wanted);
+
+}  // namespace motiondb::importer

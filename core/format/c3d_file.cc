@@ -23,6 +23,11 @@ std::uint8_t C3dBytes::Byte(std::size_t offset) const {
   return static_cast<std::uint8_t>(file_.bytes[offset]);
 }
 
+int C3dBytes::SignedByte(std::size_t offset) const {
+  const int byte = Byte(offset);
+  return byte < 128 ? byte : byte - 256;
+}
+
 std::uint16_t C3dBytes::Word(std::size_t offset) const {
   const int first = Byte(offset);
   const int second = Byte(offset + 1);
@@ -79,8 +84,8 @@ absl::StatusOr<C3dParameters> C3dParameters::Read(const C3dBytes& bytes, std::si
     // An entry: length of the name (negative if locked), number (negative for a group), name,
     // distance to the next entry, contents.
     MOTIONDB_RETURN_IF_ERROR(bytes.Require(next, 2, "a parameter"));
-    const int length = std::abs(static_cast<std::int8_t>(bytes.Byte(next)));
-    const int number = static_cast<std::int8_t>(bytes.Byte(next + 1));
+    const int length = std::abs(bytes.SignedByte(next));
+    const int number = bytes.SignedByte(next + 1);
     if (length == 0) break;
     const std::size_t distance_at = next + 2 + static_cast<std::size_t>(length);
     MOTIONDB_RETURN_IF_ERROR(
@@ -120,7 +125,7 @@ absl::StatusOr<C3dParameters::Parameter> C3dParameters::ReadParameter(const C3dB
                                                                       std::size_t offset,
                                                                       std::string_view name) {
   MOTIONDB_RETURN_IF_ERROR(bytes.Require(offset, 2, "a parameter's type"));
-  const int type = static_cast<std::int8_t>(bytes.Byte(offset));
+  const int type = bytes.SignedByte(offset);
   if (type != -1 && type != 1 && type != 2 && type != 4) {
     return bytes.Error(offset, "expected the type of parameter '{}' to be -1, 1, 2 or 4, found {}",
                        Shown(name), type);

@@ -37,6 +37,7 @@ class C3dBytes {
 
   // REQUIRES, for the functions below: the bytes exist.
   std::uint8_t Byte(std::size_t offset) const;
+  int SignedByte(std::size_t offset) const;
   std::uint16_t Word(std::size_t offset) const;
   std::int16_t SignedWord(std::size_t offset) const;
   float Real(std::size_t offset) const;  // may be NaN or infinite

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
 #include "import/input_bytes.h"
+#include "import/sandbox.h"
 
 namespace motiondb::importer {
 
@@ -27,6 +28,14 @@ struct FileRequest {
 
 // INVALID_ARGUMENT says what is wrong with the line.
 absl::StatusOr<FileRequest> ParseFileRequest(std::string_view line);
+
+// Limits of one request.
+struct FileLimits {
+  SandboxLimits process;
+  std::size_t max_file_bytes = std::size_t{64} << 20;    // of each file
+  std::size_t max_plain_bytes = std::size_t{256} << 20;  // of a file after decompression
+  bool is_sandboxed = true;
+};
 
 // The files of a request, mapped into memory.
 class RequestedFiles {

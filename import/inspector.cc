@@ -41,15 +41,15 @@ absl::Status Inspector::Begin(int index, const std::string& line) {
 
 absl::Status Inspector::Start(int index, const FileRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(const RequestedFiles files,
-                            RequestedFiles::Open(request, options_.max_file_bytes));
+                            RequestedFiles::Open(request, options_.limits.max_file_bytes));
   const auto work = [&] {
-    auto read = files.Read(request, options_.max_plain_bytes);
+    auto read = files.Read(request, options_.limits.max_plain_bytes);
     std::string note;
     if (read.status().GetPayload(core::kReasonUrl) == absl::Cord("TAKE_REQUIRED")) {
       note = std::string(read.status().message()) + "; this is the first";
       FileRequest first = request;
       first.given.take = "1";
-      read = files.Read(first, options_.max_plain_bytes);
+      read = files.Read(first, options_.limits.max_plain_bytes);
     }
     if (!read.ok()) return InspectionJson(read.status());
     core::Inspection inspection =
@@ -57,8 +57,8 @@ absl::Status Inspector::Start(int index, const FileRequest& request) {
     if (!note.empty()) inspection.notes.push_back(std::move(note));
     return InspectionJson(inspection);
   };
-  MOTIONDB_ASSIGN_OR_RETURN(Child child,
-                            Child::Start(work, options_.limits, options_.is_sandboxed));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      Child child, Child::Start(work, options_.limits.process, options_.limits.is_sandboxed));
   jobs_.push_back({index, request.file, std::move(child)});
   return absl::OkStatus();
 }

@@ -14,10 +14,7 @@ namespace motiondb::importer {
 
 struct InspectorOptions {
   int jobs = 2;  // files at the same time
-  SandboxLimits limits;
-  std::size_t max_file_bytes = std::size_t{64} << 20;
-  std::size_t max_plain_bytes = std::size_t{256} << 20;  // of a file after decompression
-  bool is_sandboxed = true;
+  FileLimits limits;
 };
 
 class Inspector {

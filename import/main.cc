@@ -46,30 +46,24 @@ void DeclareLimits(CLI::App& command, Options& options) {
   command.add_flag("--no-sandbox", options.no_sandbox, "Without limits, for debugging");
 }
 
-SandboxLimits LimitsOf(const Options& options) {
-  return {.memory_bytes = std::int64_t{options.max_memory_mib} << 20,
-          .cpu_seconds = options.max_cpu_seconds};
+FileLimits LimitsOf(const Options& options) {
+  return {.process = {.memory_bytes = std::int64_t{options.max_memory_mib} << 20,
+                      .cpu_seconds = options.max_cpu_seconds},
+          .max_file_bytes = static_cast<std::size_t>(options.max_file_mib) << 20,
+          .max_plain_bytes = static_cast<std::size_t>(options.max_plain_mib) << 20,
+          .is_sandboxed = !options.no_sandbox};
 }
 
 absl::Status Inspect(const Options& options) {
-  const InspectorOptions inspector{
-      .jobs = options.jobs,
-      .limits = LimitsOf(options),
-      .max_file_bytes = static_cast<std::size_t>(options.max_file_mib) << 20,
-      .max_plain_bytes = static_cast<std::size_t>(options.max_plain_mib) << 20,
-      .is_sandboxed = !options.no_sandbox};
-  return Inspector(inspector, stdout).Run(std::cin);
+  return Inspector({.jobs = options.jobs, .limits = LimitsOf(options)}, stdout).Run(std::cin);
 }
 
 absl::Status AnswerOne(SingleFileTask task, const Options& options) {
-  SingleFileOptions single{.limits = LimitsOf(options),
-                           .max_file_bytes = static_cast<std::size_t>(options.max_file_mib) << 20,
-                           .max_plain_bytes = static_cast<std::size_t>(options.max_plain_mib) << 20,
-                           .is_sandboxed = !options.no_sandbox};
-  single.limits.result_bytes = single.limits.memory_bytes;
+  FileLimits limits = LimitsOf(options);
+  limits.process.result_bytes = limits.process.memory_bytes;
   std::string line;
   std::getline(std::cin, line);
-  return AnswerSingleFile(task, line, single, stdout);
+  return AnswerSingleFile(task, line, limits, stdout);
 }
 
 int Main(int argc, char** argv) {

@@ -84,14 +84,14 @@ absl::StatusOr<std::string> Work(SingleFileTask task, const RequestedFiles& file
 }
 
 absl::StatusOr<std::string> AwaitAnswer(SingleFileTask task, const FileRequest& request,
-                                        const SingleFileOptions& options) {
+                                        const FileLimits& limits) {
   MOTIONDB_ASSIGN_OR_RETURN(const RequestedFiles files,
-                            RequestedFiles::Open(request, options.max_file_bytes));
+                            RequestedFiles::Open(request, limits.max_file_bytes));
   const auto work = [&] {
-    auto answer = Work(task, files, request, options.max_plain_bytes);
+    auto answer = Work(task, files, request, limits.max_plain_bytes);
     return answer.ok() ? *std::move(answer) : ErrorAnswer(answer.status());
   };
-  MOTIONDB_ASSIGN_OR_RETURN(Child child, Child::Start(work, options.limits, options.is_sandboxed));
+  MOTIONDB_ASSIGN_OR_RETURN(Child child, Child::Start(work, limits.process, limits.is_sandboxed));
   pollfd ready{child.descriptor(), POLLIN, 0};
   constexpr int kPollMilliseconds = 100;  // so that an overdue child is noticed
   do {
@@ -111,9 +111,9 @@ absl::StatusOr<std::string> AwaitAnswer(SingleFileTask task, const FileRequest& 
 }  // namespace
 
 absl::Status AnswerSingleFile(SingleFileTask task, std::string_view request_line,
-                              const SingleFileOptions& options, std::FILE* output) {
+                              const FileLimits& limits, std::FILE* output) {
   const auto request = ParseFileRequest(request_line);
-  auto answer = request.ok() ? AwaitAnswer(task, *request, options)
+  auto answer = request.ok() ? AwaitAnswer(task, *request, limits)
                              : absl::StatusOr<std::string>(request.status());
   if (absl::IsUnavailable(answer.status())) return answer.status();
   const std::string text = answer.ok() ? *std::move(answer) : ErrorAnswer(answer.status());

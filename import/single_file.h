@@ -1,21 +1,13 @@
 // Answers one request, to read or to convert a file, in a child process.
 #pragma once
 
-#include <cstddef>
 #include <cstdio>
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "import/sandbox.h"
+#include "import/file_request.h"
 
 namespace motiondb::importer {
-
-struct SingleFileOptions {
-  SandboxLimits limits;
-  std::size_t max_file_bytes = std::size_t{64} << 20;
-  std::size_t max_plain_bytes = std::size_t{256} << 20;  // after decompression
-  bool is_sandboxed = true;
-};
 
 // kRead: the motion (storage/blob/motion_codec.h). kConvert: a file in another format.
 enum class SingleFileTask { kRead, kConvert };
@@ -28,6 +20,6 @@ enum class SingleFileTask { kRead, kConvert };
 //   take_count                     instead of the others: code of absl::StatusCode
 // UNAVAILABLE if no child process or sandbox can be made, or if the output cannot be written.
 absl::Status AnswerSingleFile(SingleFileTask task, std::string_view request_line,
-                              const SingleFileOptions& options, std::FILE* output);
+                              const FileLimits& limits, std::FILE* output);
 
 }  // namespace motiondb::importer

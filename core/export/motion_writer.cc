@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -11,67 +12,58 @@
 #include "core/format/motion_file.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
+#include "core/motion/states.h"
 
 namespace motiondb::core {
 namespace {
 
-// Fills the gaps of one column and returns the number of filled frames; -1 if it has no number.
-Eigen::Index FillColumn(Eigen::Ref<Eigen::VectorXd> column) {
-  Eigen::Index filled = 0;
-  Eigen::Index known = -1;  // the last frame before the gap
-  for (Eigen::Index frame = 0; frame < column.size(); ++frame) {
-    if (std::isnan(column[frame])) continue;
-    for (Eigen::Index gap = known + 1; gap < frame; ++gap, ++filled) {
-      const double part =
-          known < 0 ? 1 : static_cast<double>(gap - known) / static_cast<double>(frame - known);
-      column[gap] =
-          known < 0 ? column[frame] : column[known] + part * (column[frame] - column[known]);
+// Returns the markers that have a position, without gaps. INVALID_ARGUMENT if there is none.
+absl::StatusOr<MarkerMotion> WithoutGaps(const MarkerMotion& markers, WrittenMotion& written) {
+  MarkerMotion filled;
+  filled.frame_rate_hz = markers.frame_rate_hz;
+  filled.positions_m.resize(markers.positions_m.rows(), markers.positions_m.cols());
+  Eigen::Index next = 0;
+  Eigen::Index gaps = 0;
+  std::string missing;
+  for (std::size_t i = 0; i < markers.names.size(); ++i) {
+    const auto positions = markers.positions_m.middleCols<3>(static_cast<Eigen::Index>(3 * i));
+    const Eigen::Index gap = positions.col(0).array().isNaN().count();
+    if (gap == positions.rows()) {
+      missing += (missing.empty() ? "" : ", ") + markers.names[i];
+      continue;
     }
-    known = frame;
+    gaps += gap;
+    filled.names.push_back(markers.names[i]);
+    filled.positions_m.middleCols<3>(next) = positions;
+    next += 3;
   }
-  if (known < 0) return -1;
-  for (Eigen::Index gap = known + 1; gap < column.size(); ++gap, ++filled) {
-    column[gap] = column[known];
-  }
+  if (filled.names.empty()) return InvalidArgument("no marker has a position in any frame");
+  filled.positions_m.conservativeResize(Eigen::NoChange, next);
+  if (!missing.empty()) written.losses.push_back("markers without a position: " + missing);
+  if (gaps > 0) written.losses.push_back(fmt::format("gaps: {} positions are filled", gaps));
+  MOTIONDB_RETURN_IF_ERROR(FillGaps(std::numeric_limits<double>::infinity(), filled).status());
   return filled;
 }
 
 // Returns a skeleton with a joint that only moves for each marker, under one root at the origin.
 absl::StatusOr<JointMotion> MarkersAsJoints(const MarkerMotion& markers, WrittenMotion& written) {
-  constexpr Eigen::Index kRootDofs = 3;  // a root without motion has none in some readers
-  std::vector<Joint> joints;
+  MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion filled, WithoutGaps(markers, written));
+  constexpr Eigen::Index kRootDofs = 3;  // some readers expect motion of the root
   Joint root{.name = "points"};
   for (int axis = 0; axis < 3; ++axis) {
     root.dofs.push_back({Dof::Kind::kTranslation, Eigen::Vector3d::Unit(axis)});
   }
-  joints.push_back(root);
-  JointMatrix angles =
-      JointMatrix::Zero(markers.positions_m.rows(), kRootDofs + 3 * std::ssize(markers.names));
-  Eigen::Index next = kRootDofs;
-  Eigen::Index filled = 0;
-  std::string missing;
-  for (std::size_t i = 0; i < markers.names.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(3 * i);
-    Eigen::MatrixXd positions = markers.positions_m.middleCols(at, 3).cast<double>();
-    Eigen::Index of_marker = 0;
-    for (int axis = 0; axis < 3; ++axis) of_marker = FillColumn(positions.col(axis));
-    if (of_marker < 0) {
-      missing += (missing.empty() ? "" : ", ") + markers.names[i];
-      continue;
-    }
-    filled += of_marker;
+  std::vector<Joint> joints = {root};
+  for (const std::string& name : filled.names) {
     Joint joint = root;
-    joint.name = markers.names[i] == root.name ? markers.names[i] + "_point" : markers.names[i];
+    joint.name = name == root.name ? name + "_point" : name;
     joint.parent = 0;
     joints.push_back(std::move(joint));
-    angles.middleCols(next, 3) = positions;
-    next += 3;
   }
-  if (joints.size() == 1) return InvalidArgument("no marker has a position in any frame");
-  if (!missing.empty()) written.losses.push_back("markers without a position: " + missing);
-  if (filled > 0) written.losses.push_back(fmt::format("gaps: {} positions are filled", filled));
-  angles.conservativeResize(Eigen::NoChange, next);
   MOTIONDB_ASSIGN_OR_RETURN(Skeleton skeleton, Skeleton::Create("points", std::move(joints)));
+  JointMatrix angles(filled.positions_m.rows(), kRootDofs + filled.positions_m.cols());
+  angles << JointMatrix::Zero(filled.positions_m.rows(), kRootDofs),
+      filled.positions_m.cast<double>();
   return JointMotion{std::make_shared<const Skeleton>(std::move(skeleton)), markers.frame_rate_hz,
                      std::move(angles)};
 }
@@ -174,9 +166,8 @@ void CheckConventions(FileFormat format, WrittenMotion& written) {
 
 absl::StatusOr<WrittenMotion> WriteMotion(FileFormat format, const Motion& motion,
                                           const Mimics& mimics) {
-  if (const auto* const joints = std::get_if<JointMotion>(&motion)) {
-    MOTIONDB_RETURN_IF_ERROR(CheckWritable(InfoOf(format).name, *joints));
-  }
+  MOTIONDB_RETURN_IF_ERROR(
+      std::visit([&](const auto& one) { return CheckWritable(InfoOf(format).name, one); }, motion));
   WrittenMotion written;
   MOTIONDB_ASSIGN_OR_RETURN(written.bytes, BytesOf(format, motion, mimics, written));
   CheckConventions(format, written);

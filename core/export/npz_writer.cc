@@ -289,33 +289,11 @@ absl::StatusOr<std::string> WriteNpzJoints(const JointMotion& motion) {
   return archive.Finish();
 }
 
-absl::Status CheckNpzMarkers(const MarkerMotion& motion) {
-  const FrameMatrix& positions = motion.positions_m;
-  if (motion.names.empty()) return InvalidArgument("NPZ: the motion has no marker");
-  if (positions.rows() == 0) return InvalidArgument("NPZ: the motion has no frame");
-  if (!IsFrameRate(motion.frame_rate_hz)) {
-    return InvalidArgument("NPZ: expected a frame rate from 0.001 to 100000 Hz, found {}",
-                           motion.frame_rate_hz);
-  }
-  if (positions.cols() != static_cast<Eigen::Index>(3 * motion.names.size())) {
-    return InvalidArgument("NPZ: expected {} columns, three a marker, found {}",
-                           3 * motion.names.size(), positions.cols());
-  }
-  for (Eigen::Index frame = 0; frame < positions.rows(); ++frame) {
-    for (std::size_t m = 0; m < motion.names.size(); ++m) {
-      const auto at = positions.block<1, 3>(frame, static_cast<Eigen::Index>(3 * m)).array();
-      if (at.isFinite().all() || at.isNaN().all()) continue;
-      return InvalidArgument("NPZ: marker '{}' is infinite or partly missing in frame {}",
-                             Shown(motion.names[m]), frame);
-    }
-  }
-  MOTIONDB_RETURN_IF_ERROR(CheckNpzNames(motion.names));
-  return CheckNpzSize(positions.rows(), motion.names.size(), 3);
-}
-
 absl::StatusOr<std::string> WriteNpzMarkers(const MarkerMotion& motion) {
-  MOTIONDB_RETURN_IF_ERROR(CheckNpzMarkers(motion));
+  MOTIONDB_RETURN_IF_ERROR(CheckWritable("NPZ", motion));
+  MOTIONDB_RETURN_IF_ERROR(CheckNpzNames(motion.names));
   const FrameMatrix& positions = motion.positions_m;
+  MOTIONDB_RETURN_IF_ERROR(CheckNpzSize(positions.rows(), motion.names.size(), 3));
   NpzBytes archive(static_cast<std::size_t>(positions.size()) * sizeof(double) + kNpzOverhead);
   AddVersionAndRate(archive, motion.frame_rate_hz);
   AddNpzNames(archive, "marker_names", motion.names);

@@ -109,10 +109,8 @@ inline constexpr int kNpzVersion = 1;  // `motiondb_version` of a written archiv
 // The archive keeps the motion of all joints, but not their axes of rotation and limits. Bytes
 // depend only on the motion: members have the date 1980-01-01. O(frames * N).
 //
-// INVALID_ARGUMENT for joints as for CheckWritable, or if a joint's frame
-// is not a rotation. For markers if there is no marker or frame, names do not match the columns,
-// the frame rate is out of 0.001 to 100000 Hz, or a marker is infinite or partly missing. For both
-// if a name appears twice, or the archive would exceed 4 GiB, the limit of zip without extensions.
+// INVALID_ARGUMENT as for CheckWritable, if a joint's frame is not a rotation, if a name appears
+// twice, or if the archive would exceed 4 GiB, the limit of zip without extensions.
 absl::StatusOr<std::string> WriteNpz(const Motion& motion);
 
 // INVALID_ARGUMENT, beginning with `format`, if the motion has no skeleton, no frame, a frame rate

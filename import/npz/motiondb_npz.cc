@@ -1,5 +1,3 @@
-#include "import/npz/motiondb_npz.h"
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstddef>
@@ -14,6 +12,7 @@
 #include "core/format/conventions.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
+#include "import/npz/npz_reader.h"
 #include "import/npz/sampled_motion.h"
 
 namespace motiondb::importer {

@@ -1,10 +1,8 @@
 #include "import/npz/npz_reader.h"
 
 #include "core/motion/error.h"
-#include "import/npz/motiondb_npz.h"
 #include "import/npz/npz_archive.h"
 #include "import/npz/npz_values.h"
-#include "import/npz/smpl_reader.h"
 
 namespace motiondb::importer {
 

@@ -5,6 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
+#include "import/npz/npz_values.h"
 
 namespace motiondb::importer {
 
@@ -20,9 +21,9 @@ namespace motiondb::importer {
 //                or y.
 // Rotations may also have the shape (F, joints, 3). Ignores all other arrays.
 //
-// The SMPL family has a mean body (import/smpl_body.h), which a note reports; `betas`, the shape of
-// the subject, needs the licensed model and is ignored with a note. The pelvis is at trans +
-// SmplPelvis. Joints without rotations in the file do not move.
+// The SMPL family has a mean body (import/npz/smpl_body.h), which a note reports; `betas`, the
+// shape of the subject, needs the licensed model and is ignored with a note. The pelvis is at trans
+// + SmplPelvis. Joints without rotations in the file do not move.
 //
 // Frame rate: `options`, or the file. Without both, SMPL is assumed to have 30 Hz and AIST++ 60 Hz,
 // with a note; SMPL-H and SMPL-X are rejected, because AMASS always states it. A unit in `options`
@@ -33,5 +34,20 @@ namespace motiondb::importer {
 // missing arrays list those that are there.
 absl::StatusOr<core::MotionFile> ReadNpz(core::SourceFile file, const core::ReadOptions& options,
                                          std::size_t max_bytes);
+
+// The parts of ReadNpz.
+
+// Whether the archive has arrays of rotations of a body model.
+bool IsSmpl(const NpzArchive& archive);
+
+// See ReadNpz. REQUIRES: IsSmpl.
+absl::StatusOr<core::MotionFile> ReadSmpl(const NpzSource& source,
+                                          const core::ReadOptions& options);
+
+// Reads motiondb's own layout. Joints get three rotations each, and three translations where their
+// local positions change. `rest_rotations` may be absent: no rotation. Ignores the world positions
+// of joints, which follow from the local ones. Errors: see ReadNpz.
+absl::StatusOr<core::MotionFile> ReadMotiondbNpz(const NpzSource& source,
+                                                 const core::ReadOptions& options);
 
 }  // namespace motiondb::importer

@@ -1,5 +1,3 @@
-#include "import/npz/smpl_reader.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -19,6 +17,7 @@
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
+#include "import/npz/npz_reader.h"
 #include "import/npz/sampled_motion.h"
 #include "import/npz/smpl_body.h"
 

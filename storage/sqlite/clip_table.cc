@@ -27,8 +27,8 @@ std::string SelectClips(std::string_view rest) {
       "source_report, content_hash, create_time_us, ifnull(byte_count, 0), "
       "representation_version, tried_version, tried_time_us, derive_error, "
       "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m, given_take "
-      "FROM clip LEFT JOIN skeleton USING (skeleton_key) WHERE clip.database_key = ? AND deleted = "
-      "0 AND {}",
+      "FROM clip LEFT JOIN skeleton USING (skeleton_key) "
+      "WHERE clip.database_key = ? AND deleted = 0 AND {}",
       rest);
 }
 
@@ -267,8 +267,7 @@ absl::StatusOr<ClipRecord> ReplaceClip(Connection& connection, const ClipRecord&
     return absl::AbortedError(fmt::format("{} was deleted or replaced by another call: try again",
                                           DescribeClip(before.database, before.id)));
   }
-  // So that a model that uses it is not extended by a second clip with this id. RemoveClip updates
-  // the checksum.
+  // So that no model that uses it gets a second clip of this id. RemoveClip updates row_crc.
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("UPDATE clip SET representation_version = 0 WHERE clip_key = ?", key).Run());
   MOTIONDB_RETURN_IF_ERROR(RemoveClip(connection, before.database, before.id, remains).status());

@@ -6,7 +6,10 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
+#include "client/cli/file_formats.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/ingest_answers.h"
 #include "tests/client/run_motiondb.h"
@@ -85,9 +88,23 @@ TEST_CASE("motiondb formats: lists what is read and written", "[client][cli]") {
   CHECK_THAT(table.out, Contains(".fbx") && Contains(".gltf .glb .vrm") && Contains(".npz"));
   const auto json = nlohmann::json::parse(RunHere({"formats", "--json"}).out);
   REQUIRE(json.size() == 9);
+  // The client's own table agrees with that of motiondb-import.
+  std::set<std::string> extensions;
   for (const auto& format : json) {
     const std::string name = format.at("name");
     CHECK(format.at("is_written") == (name != "amc" && name != "fbx" && name != "dae"));
+    std::istringstream words(format.at("extensions").get<std::string>());
+    for (std::string word; words >> word;) {
+      extensions.insert(word);
+      CHECK(client::IsMotionFile("walk" + word));
+      const auto written = client::WrittenFormat(word);
+      if (written.ok()) CHECK(client::NameOfFormat(*written) == name);
+    }
+  }
+  std::istringstream known(client::MotionExtensions());
+  for (std::string word; known >> word;) {
+    if (word.ends_with(',')) word.pop_back();
+    CHECK(extensions.contains(word));
   }
 }
 

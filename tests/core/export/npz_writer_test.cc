@@ -219,17 +219,17 @@ TEST_CASE("WriteNpz: an invalid motion is rejected", "[core][format]") {
 
   core::MarkerMotion markers = TwoMarkers();
   markers.positions_m(1, 4) = std::numeric_limits<float>::quiet_NaN();
-  CHECK_THAT(error(markers), Contains("marker 'RFHD' is infinite or partly missing in frame 1"));
+  CHECK_THAT(error(markers), Contains("frame 1: expected all three coordinates of 'RFHD' or none"));
   markers = TwoMarkers();
   markers.positions_m(1, 4) = std::numeric_limits<float>::infinity();
-  CHECK_THAT(error(markers), Contains("infinite"));
+  CHECK_THAT(error(markers), Contains("frame 1: expected coordinates of 'RFHD' of at most"));
   markers = TwoMarkers();
   markers.names.pop_back();
-  CHECK_THAT(error(markers), Contains("expected 3 columns, three a marker, found 6"));
+  CHECK_THAT(error(markers), Contains("expected 3 columns, three a point, found 6"));
   markers = TwoMarkers();
   markers.names[1] = markers.names[0];
   CHECK_THAT(error(markers), Contains("two points are named 'LFHD'"));
-  CHECK_THAT(error(core::MarkerMotion{}), Contains("has no marker"));
+  CHECK_THAT(error(core::MarkerMotion{}), Contains("has no point"));
   markers = TwoMarkers();
   markers.positions_m.resize(0, 6);
   CHECK_THAT(error(markers), Contains("has no frame"));

@@ -24,7 +24,7 @@ if [ "$preset" != release ]; then
   export MOTIONDB_TEST_SLOWNESS=10
   # The release build injects every fault at every disk operation; the code is equal in all builds.
   export MOTIONDB_FAULT_SEEDS=${MOTIONDB_FAULT_SEEDS:-2}
-  export MOTIONDB_FAULT_STRIDE=${MOTIONDB_FAULT_STRIDE:-4}
+  export MOTIONDB_FAULT_STRIDE=${MOTIONDB_FAULT_STRIDE:-16}
   export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0:${LSAN_OPTIONS:-}"
 fi
 # Sanitizers find nothing new in tests of documents, packaging and accuracy.

@@ -87,27 +87,47 @@ export ASAN_OPTIONS="allocator_may_return_null=0:detect_leaks=0:${ASAN_OPTIONS:-
 mkdir -p build/fuzz/findings
 figures=build/fuzz/figures.tsv
 printf 'target\texecutions\tcorpus\tnew coverage\tfindings\texec/s\n' >"$figures"
-for target in "${targets[@]}"; do
-  corpus=build/fuzz/corpus/$target
-  log=build/fuzz/$target.log
+
+# run_target TARGET: appends a line to the figures; fails on a finding.
+run_target() {
+  local target=$1 corpus=build/fuzz/corpus/$1 log=build/fuzz/$1.log failed=0
   mkdir -p "$corpus"
-  amount=(-runs="${runs:-$(runs_of "$target")}")
+  local amount=(-runs="${runs:-$(runs_of "$target")}")
   [ -z "$seconds" ] || amount=(-runs="${runs:--1}" -max_total_time="$seconds")
-  dictionary=tests/fuzz/dictionaries/$target.dict
+  local dictionary=tests/fuzz/dictionaries/$target.dict
   [ ! -f "$dictionary" ] || amount+=(-dict="$dictionary")
-  before=$(ls build/fuzz/findings | wc -l)
+  findings() { find build/fuzz/findings -name "$target-*" | wc -l; }
+  local before
+  before=$(findings)
   "build/fuzz/tests/fuzz/${target}_fuzz" "${limits[@]}" "${amount[@]}" -print_final_stats=1 \
     -max_len="$(max_length_of "$target")" -artifact_prefix="build/fuzz/findings/$target-" \
     "$corpus" "build/fuzz/seeds/${target}_fuzz" >"$log" 2>&1 || failed=1
-  findings=$(($(ls build/fuzz/findings | wc -l) - before))
-  [ "$findings" -eq 0 ] || { failed=1; tail -n 60 "$log" >&2; }
+  local found=$(($(findings) - before))
+  [ "$found" -eq 0 ] || failed=1
   stat() { sed -n "s/^stat::$1: *//p" "$log" | tail -n 1; }
+  local first last executions
   first=$(sed -n 's/.*INITED *cov: \([0-9]*\).*/\1/p' "$log" | tail -n 1)
   last=$(sed -n 's/.* cov: \([0-9]*\).*/\1/p' "$log" | tail -n 1)
   executions=$(stat number_of_executed_units)
   printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$target" "${executions:-0}" "$(ls "$corpus" | wc -l)" \
-    "$((${last:-0} - ${first:-0}))" "$findings" "$(stat average_exec_per_sec)" >>"$figures"
-  [ -n "$executions" ] || { failed=1; tail -n 60 "$log" >&2; }
+    "$((${last:-0} - ${first:-0}))" "$found" "$(stat average_exec_per_sec)" >>"$figures"
+  [ -n "$executions" ] || failed=1
+  [ "$failed" = 0 ] || tail -n 60 "$log" >&2
+  return "$failed"
+}
+
+running=0
+for target in "${targets[@]}"; do
+  if [ "$running" -ge "$(nproc)" ]; then
+    wait -n || failed=1
+    running=$((running - 1))
+  fi
+  run_target "$target" &
+  running=$((running + 1))
+done
+while [ "$running" -gt 0 ]; do
+  wait -n || failed=1
+  running=$((running - 1))
 done
 column -t -s "$(printf '\t')" "$figures"
 exit $failed

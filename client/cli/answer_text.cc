@@ -30,13 +30,34 @@ std::string Label(const v1::RecognitionWindow& window, int rank) {
   return fmt::format("{} {:.2f}", LabelOrPlaceholder(label.label()), label.probability());
 }
 
-// "walk 93 % (14 of 15 windows), jog 7 % (1 of 15 windows)"
-std::string Summary(const v1::RecognizeResponse& response) {
-  std::map<std::string, int> windows_of;
-  for (const auto& window : response.windows()) {
-    if (window.labels_size() > 0) ++windows_of[LabelOrPlaceholder(window.labels(0).label())];
+// What the window is called, then less probable labels. With `with_unknown` the list has one more
+// cell for the probability of unknown motion.
+std::vector<std::string> LabelCells(const v1::RecognitionWindow& window, double unknown_threshold,
+                                    bool with_unknown) {
+  std::vector<std::string> cells;
+  cells.reserve(kShownLabels + 1);
+  for (int i = 0; i < kShownLabels; ++i) cells.push_back(Label(window, i));
+  if (with_unknown) {
+    cells.insert(IsUnknown(window, unknown_threshold) ? cells.begin() : cells.end(),
+                 window.has_unknown_probability() ? UnknownText(window.unknown_probability()) : "");
   }
-  std::vector<std::pair<std::string, int>> ranked(windows_of.begin(), windows_of.end());
+  return cells;
+}
+
+// "walk 93 % (14 of 15 windows), unknown 7 % (1 of 15 windows)"
+std::string Summary(const v1::RecognizeResponse& response, double unknown_threshold) {
+  std::map<std::string, int> windows_of;
+  int unknown = 0;
+  for (const auto& window : response.windows()) {
+    if (IsUnknown(window, unknown_threshold)) {
+      ++unknown;
+    } else if (window.labels_size() > 0) {
+      ++windows_of[LabelOrPlaceholder(window.labels(0).label())];
+    }
+  }
+  std::vector<std::pair<std::string, int>> ranked;
+  if (unknown > 0) ranked.emplace_back("unknown", unknown);  // apart from a label of that name
+  ranked.insert(ranked.end(), windows_of.begin(), windows_of.end());
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   const int total = response.windows_size();
@@ -50,21 +71,29 @@ std::string Summary(const v1::RecognizeResponse& response) {
 
 }  // namespace
 
-std::string RecognitionText(const v1::RecognizeResponse& response) {
+std::string UnknownText(double probability) { return fmt::format("unknown {:.2f}", probability); }
+
+std::string RecognitionText(const v1::RecognizeResponse& response, double unknown_threshold) {
+  const bool with_unknown =
+      std::any_of(response.windows().begin(), response.windows().end(),
+                  [](const auto& window) { return window.has_unknown_probability(); });
   std::vector<Table::Column> columns = {{"", Align::kRight}};
-  for (int i = 0; i < kShownLabels; ++i) columns.push_back({""});
+  for (int i = 0; i < kShownLabels + (with_unknown ? 1 : 0); ++i) columns.push_back({""});
   columns.insert(columns.end(), {{""}, {""}});
   Table table(columns);
   for (const auto& window : response.windows()) {
     std::vector<std::string> cells = {
         fmt::format("{:.2f}-{:.2f} s", window.start_seconds(), window.end_seconds())};
-    for (int i = 0; i < kShownLabels; ++i) cells.push_back(Label(window, i));
+    for (std::string& cell : LabelCells(window, unknown_threshold, with_unknown)) {
+      cells.push_back(std::move(cell));
+    }
     cells.push_back(fmt::format("familiarity {:.2f}", window.familiarity()));
     cells.push_back(window.clips_size() == 0 ? "no clip explains it"
                                              : "best clip " + ShortName(window.clips(0).clip()));
     table.AddRow(cells);
   }
-  return table.ToString() + Summary(response) + "\n" + CalibrationNote(response.calibration());
+  return table.ToString() + Summary(response, unknown_threshold) + "\n" +
+         CalibrationNote(response.calibration());
 }
 
 namespace {

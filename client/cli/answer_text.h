@@ -9,9 +9,20 @@
 
 namespace motiondb::client {
 
+// Returns whether a window is called unknown: an answer of recognize (v1::RecognitionWindow) or of
+// observe (v1::ObserveResponse).
+template <typename Window>
+bool IsUnknown(const Window& window, double threshold) {
+  return window.has_unknown_probability() && window.unknown_probability() > threshold;
+}
+
+// "unknown 0.83"
+std::string UnknownText(double probability);
+
 // Returns a line for each window: time, most probable labels, familiarity, best clip. The last line
-// has the share of windows of each label.
-std::string RecognitionText(const v1::RecognizeResponse& response);
+// has the share of windows of each label. The probability of unknown motion precedes the labels if
+// it is greater than `unknown_threshold`; otherwise it follows them.
+std::string RecognitionText(const v1::RecognizeResponse& response, double unknown_threshold);
 
 // Returns the state, each path as runs "NODExFRAMES", and the positions and expected errors of
 // missing markers.

@@ -21,6 +21,24 @@ using google::protobuf::util::TimeUtil;
 
 std::string ModelWord(int version) { return version == 0 ? "none" : std::to_string(version); }
 
+// "own", "previous", "own, one subject": the latter have no probability of unknown motion.
+std::string CalibrationText(v1::Calibration calibration) {
+  switch (calibration) {
+    case v1::CALIBRATION_ONE_CLIP:
+      return "own, one clip";
+    case v1::CALIBRATION_ONE_LABEL:
+      return "own, one label";
+    case v1::CALIBRATION_ONE_SUBJECT:
+      return "own, one subject";
+    case v1::CALIBRATION_TOO_FEW_CLIPS:
+      return "own, too few clips";
+    case v1::CALIBRATION_OLDER_VERSION:
+      return "own, older version";
+    default:
+      return EnumValueText(v1::Calibration_Name(calibration));
+  }
+}
+
 }  // namespace
 
 std::string EnumValueText(const std::string& enum_name) {
@@ -142,6 +160,27 @@ std::string CalibrationNote(v1::Calibration calibration) {
       calibration == v1::CALIBRATION_PREVIOUS ? "the previous model's" : "a typical");
 }
 
+std::string UnknownNote(v1::Calibration calibration) {
+  const auto note = [](const char* reason, const char* advice) {
+    return fmt::format("no probability of unknown motion: {}; {}\n", reason, advice);
+  };
+  switch (calibration) {
+    case v1::CALIBRATION_ONE_CLIP:
+      return note("the database has one clip", "ingest clips of other labels and subjects");
+    case v1::CALIBRATION_ONE_LABEL:
+      return note("all clips have the same label", "ingest clips of other labels");
+    case v1::CALIBRATION_ONE_SUBJECT:
+      return note("the clips name fewer than two subjects", "ingest clips with --subject");
+    case v1::CALIBRATION_TOO_FEW_CLIPS:
+      return note("too few clips remain if a subject or a label is held out",
+                  "ingest clips of the same labels by other subjects");
+    case v1::CALIBRATION_OLDER_VERSION:
+      return note("the model was built by an older version", "run `motiondb reprocess DB`");
+    default:
+      return "";
+  }
+}
+
 std::string DescriptionText(const v1::DatabaseStatistics& description) {
   Table table({{""}, {"", Align::kRight}});
   const auto count = [&](const std::string& what, int number) {
@@ -161,10 +200,10 @@ std::string DescriptionText(const v1::DatabaseStatistics& description) {
   table.AddRow({"model version", ModelWord(description.model_version())});
   const v1::Calibration calibration = description.calibration();
   if (calibration != v1::CALIBRATION_UNSPECIFIED) {  // no model, or an older server's
-    table.AddRow({"calibration", EnumValueText(v1::Calibration_Name(calibration))});
+    table.AddRow({"calibration", CalibrationText(calibration)});
   }
   table.AddRow({"build time", fmt::format("{:.2f} s", description.build_seconds())});
-  std::string text = table.ToString() + CalibrationNote(calibration);
+  std::string text = table.ToString() + CalibrationNote(calibration) + UnknownNote(calibration);
   if (description.added_clip_count() > 0) {
     text +=
         fmt::format("{}{}\n", CountText(description.clip_count(), "clip"),

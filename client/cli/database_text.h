@@ -27,6 +27,10 @@ std::string IngestedClipText(const v1::Clip& clip);
 // Returns a note if the model has no calibration of its own yet; else an empty string.
 std::string CalibrationNote(v1::Calibration calibration);
 
+// Returns why the model's own calibration has no probability of unknown motion, and what to do;
+// else an empty string.
+std::string UnknownNote(v1::Calibration calibration);
+
 // Returns statistics of the model, with those of the paper's Table I.
 std::string DescriptionText(const v1::DatabaseStatistics& description);
 

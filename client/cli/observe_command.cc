@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "client/cli/command.h"
+#include "client/cli/database_text.h"
 #include "client/cli/observe_replay.h"
 #include "client/cli/print.h"
 #include "client/cli/query_options.h"
@@ -23,6 +24,7 @@ struct ObserveOptions {
   double rate_multiplier = 1;
   int frames_per_message = 1;
   double window_seconds = 0.4;
+  double unknown_threshold = kDefaultUnknownThreshold;
   std::vector<double> horizon_seconds;
 };
 
@@ -48,6 +50,7 @@ void Declare(CLI::App& command, ObserveOptions& options) {
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
+  AddUnknownThresholdOption(command, options.unknown_threshold);
   command
       .add_option("--horizon", options.horizon_seconds,
                   "Horizons of the prediction; else no prediction")
@@ -76,16 +79,19 @@ v1::ObserveStart Start(const ObserveOptions& options, const v1::RepresentRequest
 // Shows answers when they arrive: on a terminal one line that changes, otherwise separate lines.
 class LiveLine {
  public:
-  explicit LiveLine(double frame_rate_hz)
-      : frame_rate_hz_(frame_rate_hz), terminal_(isatty(STDOUT_FILENO) == 1) {}
+  LiveLine(double frame_rate_hz, double unknown_threshold)
+      : frame_rate_hz_(frame_rate_hz),
+        unknown_threshold_(unknown_threshold),
+        terminal_(isatty(STDOUT_FILENO) == 1) {}
 
   void Show(const v1::ObserveResponse& answer) {
     const double seconds = static_cast<double>(answer.frame()) / frame_rate_hz_;
+    const std::string line = ObserveAnswerLine(answer, seconds, unknown_threshold_);
     if (terminal_) {
-      fmt::print("\r\033[K{}", text::DisplayText(ObserveAnswerLine(answer, seconds)));
+      fmt::print("\r\033[K{}", text::DisplayText(line));
       std::fflush(stdout);
     } else if (!shown_ || seconds >= *shown_ + kLineEvery - 1e-9 || answer.model_replaced()) {
-      PrintLineText(ObserveAnswerLine(answer, seconds));
+      PrintLineText(line);
       shown_ = seconds;
     }
   }
@@ -95,6 +101,7 @@ class LiveLine {
 
  private:
   const double frame_rate_hz_;
+  const double unknown_threshold_;
   const bool terminal_;
   std::optional<double> shown_;
 };
@@ -113,7 +120,7 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
 
   ReplayOptions replay{.frames_per_message = options.frames_per_message};
   if (options.realtime) replay.frames_per_second = options.rate_multiplier * motion.frame_rate_hz();
-  LiveLine line(motion.frame_rate_hz());
+  LiveLine line(motion.frame_rate_hz(), options.unknown_threshold);
   v1::ObserveResponse last;
   const auto statistics = Replay(*client, Start(options, request, motion), motion, replay,
                                  [&](const v1::ObserveResponse& answer) {
@@ -126,7 +133,9 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
                                  });
   if (!global.json) line.End();
   if (!statistics.ok()) return statistics.status();
-  if (!global.json) PrintText(ReplayText(*statistics, last, options.realtime));
+  if (!global.json) {
+    PrintText(ReplayText(*statistics, last, options.realtime) + UnknownNote(last.calibration()));
+  }
   return absl::OkStatus();
 }
 

@@ -10,6 +10,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "client/cli/answer_text.h"
 #include "client/cli/database_text.h"
 #include "client/cli/print.h"
 
@@ -90,6 +91,8 @@ absl::StatusOr<ReplayStatistics> Replay(
 namespace {
 
 constexpr int kLabelsOfMoment = 2;
+constexpr int kLabelsWidth = 26;
+constexpr int kLabelsWidthWithUnknown = 34;  // without horizons, a line then fits 80 columns
 
 // Returns the `fraction` quantile; `sorted` is not empty.
 double Quantile(const std::vector<double>& sorted, double fraction) {
@@ -98,26 +101,32 @@ double Quantile(const std::vector<double>& sorted, double fraction) {
   return sorted[std::max<std::size_t>(rank, 1) - 1];
 }
 
-std::string LabelsText(const v1::ObserveResponse& answer) {
-  std::string text;
+// Returns "walk 0.90, jog 0.08, unknown 0.02"; begins with "unknown" if the window is called so.
+std::string LabelsText(const v1::ObserveResponse& answer, double unknown_threshold) {
+  std::vector<std::string> cells;
   for (int i = 0; i < std::min(answer.labels_size(), kLabelsOfMoment); ++i) {
-    const v1::LabelProbability& label = answer.labels(i);
-    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "", LabelOrPlaceholder(label.label()),
-                        label.probability());
+    cells.push_back(fmt::format("{} {:.2f}", LabelOrPlaceholder(answer.labels(i).label()),
+                                answer.labels(i).probability()));
   }
-  return text;
+  if (answer.has_unknown_probability()) {
+    cells.insert(IsUnknown(answer, unknown_threshold) ? cells.begin() : cells.end(),
+                 UnknownText(answer.unknown_probability()));
+  }
+  return fmt::format("{}", fmt::join(cells, ", "));
 }
 
 }  // namespace
 
-std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds) {
+std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds,
+                              double unknown_threshold) {
   std::string line = fmt::format("{:7.2f} s  ", seconds);
   if (!answer.has_state()) {
     line += "no frame with both hips yet";
   } else {
-    line +=
-        fmt::format("{:<26} familiarity {:.2f}  node {:>4} {:.2f}", LabelsText(answer),
-                    answer.familiarity(), answer.state().node_id(), answer.state().probability());
+    line += fmt::format(
+        "{:<{}} familiarity {:.2f}  node {:>4} {:.2f}", LabelsText(answer, unknown_threshold),
+        answer.has_unknown_probability() ? kLabelsWidthWithUnknown : kLabelsWidth,
+        answer.familiarity(), answer.state().node_id(), answer.state().probability());
     if (answer.horizons_size() > 0) {
       const v1::PredictedFrame& ahead = answer.horizons(answer.horizons_size() - 1);
       line += fmt::format("  {:.2f} s ahead", ahead.seconds());

@@ -30,8 +30,10 @@ absl::StatusOr<ReplayStatistics> Replay(
     const Client& client, const v1::ObserveStart& start, const v1::MarkerObservation& motion,
     const ReplayOptions& options, const std::function<void(const v1::ObserveResponse&)>& on_answer);
 
-// Returns a line without line end. `seconds`: time of the newest frame in the motion.
-std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds);
+// Returns a line without line end. `seconds`: time of the newest frame in the motion. The line
+// begins with "unknown" if the probability of unknown motion is greater than `unknown_threshold`.
+std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds,
+                              double unknown_threshold);
 
 // Returns a summary. `paced`: messages were sent at a fixed rate, so that latencies are meaningful.
 std::string ReplayText(const ReplayStatistics& statistics, const v1::ObserveResponse& last,

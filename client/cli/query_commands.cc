@@ -9,10 +9,12 @@
 
 #include "client/cli/answer_text.h"
 #include "client/cli/command.h"
+#include "client/cli/database_text.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/print.h"
 #include "client/cli/query_options.h"
 #include "client/cli/recognition_plot.h"
+#include "client/cli/recognition_plot_profile.h"
 #include "client/output_file.h"
 
 namespace motiondb::client {
@@ -26,7 +28,9 @@ struct RecognizeOptions {
   int top = 0;
   int paths = 0;
   v1::Method method = v1::METHOD_BEST;
+  double unknown_threshold = kDefaultUnknownThreshold;
   std::string plot;
+  std::string profile_plot;
 };
 
 std::string CheckWindow(const std::string& text) {
@@ -55,10 +59,17 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
       ->type_name("K")
       ->check(PositiveNumber());
   AddMethodOption(command, options.method);
+  AddUnknownThresholdOption(command, options.unknown_threshold);
   command
       .add_option("--plot", options.plot,
-                  "Draw the generation probability of each clip and window at the bottom, a middle "
-                  "and an upper layer, or at --layer; needs a query for each layer")
+                  "Draw the answer over time: probabilities of labels and of unknown motion, best "
+                  "clips, familiarity")
+      ->type_name("FILE.svg");
+  command
+      .add_option("--plot-profile", options.profile_plot,
+                  "Draw the generation probability of clips in each window, as in the paper, at "
+                  "the bottom, a middle and an upper layer, or at --layer; needs a query for each "
+                  "layer")
       ->type_name("FILE.svg");
 }
 
@@ -79,23 +90,23 @@ v1::RecognizeRequest Request(const RecognizeOptions& options) {
   return request;
 }
 
-absl::Status CheckFiles(const RecognizeOptions& options) {
-  if (options.plot.empty() || HasExtension(options.plot, ".svg")) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      fmt::format("--plot {}: the profiles are drawn as FILE.svg", options.plot));
+absl::Status CheckPlotFile(const char* option, const std::string& file) {
+  if (file.empty() || HasExtension(file, ".svg")) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format("{} {}: expected FILE.svg", option, file));
 }
 
 // Queries all clips at each layer by the paper's method, and draws the answers.
-absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
-                       v1::RecognizeRequest& request) {
+absl::Status WriteProfilePlot(const Client& client, const RecognizeOptions& options,
+                              v1::RecognizeRequest request) {
   request.clear_top_count();
   request.set_method(v1::METHOD_PAPER);
   std::vector<v1::RecognizeResponse> layers;
   const auto ask = [&](int layer) {
     if (layer > 0) request.set_layer(layer);
     auto response = client.Recognize(request);
-    if (response.ok()) layers.push_back(*std::move(response));
-    return response.status();
+    if (!response.ok()) return response.status();
+    layers.push_back(*std::move(response));
+    return absl::OkStatus();
   };
   absl::Status status = ask(options.query.layer);
   if (status.ok() && options.query.layer == 0 && layers[0].windows_size() > 0) {
@@ -106,13 +117,15 @@ absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
   if (!status.ok()) return status;
   request.clear_layer();
   if (options.query.layer > 0) request.set_layer(options.query.layer);
-  return WriteFileAtomically(options.plot, RecognitionPlotSvg(request, layers));
+  return WriteFileAtomically(options.profile_plot, ProfilePlotSvg(request, layers));
 }
 
 absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
-  if (absl::Status status = CheckFiles(options); !status.ok()) return status;
+  absl::Status status = CheckPlotFile("--plot", options.plot);
+  status.Update(CheckPlotFile("--plot-profile", options.profile_plot));
   v1::RecognizeRequest request = Request(options);
-  if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
+  if (status.ok()) status = SetQuery(options.query, request);
+  if (!status.ok()) return status;
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   const auto response = client->Recognize(request);
@@ -120,11 +133,22 @@ absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
   if (global.json) {
     PrintJson(*response);
   } else {
-    PrintText(RecognitionText(*response));
+    PrintText(RecognitionText(*response, options.unknown_threshold));
+    // The paper's method has no probability of unknown motion, whatever the calibration is.
+    if (options.method != v1::METHOD_PAPER) PrintText(UnknownNote(response->calibration()));
   }
-  if (options.plot.empty()) return absl::OkStatus();
-  absl::Status status = WritePlot(*client, options, request);
-  if (status.ok() && !global.json) PrintLine("wrote {}", options.plot);
+  const auto report = [&](const std::string& file) {
+    if (status.ok() && !global.json) PrintLine("wrote {}", file);
+  };
+  if (!options.plot.empty()) {
+    status = WriteFileAtomically(options.plot,
+                                 RecognitionPlotSvg(request, *response, options.unknown_threshold));
+    report(options.plot);
+  }
+  if (status.ok() && !options.profile_plot.empty()) {
+    status = WriteProfilePlot(*client, options, std::move(request));
+    report(options.profile_plot);
+  }
   return status;
 }
 

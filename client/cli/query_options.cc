@@ -37,6 +37,17 @@ void AddMethodOption(CLI::App& command, v1::Method& method) {
       ->default_str("best");
 }
 
+void AddUnknownThresholdOption(CLI::App& command, double& threshold) {
+  command
+      .add_option("--unknown-threshold", threshold,
+                  "Call windows unknown whose probability of unknown motion is greater; does not "
+                  "change the output of --json")
+      ->type_name("P")
+      ->check(CLI::Range(0.0, 1.0))
+      ->check(NonNegativeNumber())  // the range alone accepts NaN
+      ->capture_default_str();
+}
+
 absl::StatusOr<std::vector<std::string>> MarkerNames(const Client& client,
                                                      const std::string& database) {
   v1::GetDatabaseRequest request;

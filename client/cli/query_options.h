@@ -31,6 +31,12 @@ void AddQueryOptions(CLI::App& command, QueryOptions& options);
 // Adds --method; `method` contains the default.
 void AddMethodOption(CLI::App& command, v1::Method& method);
 
+// A window is called unknown if its probability of unknown motion is greater.
+inline constexpr double kDefaultUnknownThreshold = 0.5;
+
+// Adds --unknown-threshold; `threshold` contains the default.
+void AddUnknownThresholdOption(CLI::App& command, double& threshold);
+
 // Sets the options and the contents of the file in a request. REQUIRES: Request is a complete type.
 template <typename Request>
 absl::Status SetQuery(const QueryOptions& options, Request& request) {

@@ -4,273 +4,281 @@
 #include <motiondb/v1/query.pb.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <limits>
-#include <map>
-#include <tuple>
+#include <cstddef>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "client/cli/database_text.h"
 #include "client/cli/picture.h"
 #include "client/cli/print.h"
-#include "client/cli/recognition_plot_panel.h"
-#include "client/cli/resource_name.h"
+#include "client/cli/recognition_plot_answer.h"
+#include "client/cli/recognition_plot_areas.h"
+#include "client/cli/recognition_plot_frame.h"
+#include "client/cli/recognition_plot_labels.h"
 
 namespace motiondb::client {
 
 namespace {
 
-bool HasValidTimes(const v1::RecognitionWindow& window) {
-  constexpr double kMaxSeconds = 1e8;
-  return window.start_seconds() >= 0 && window.start_seconds() <= window.end_seconds() &&
-         window.end_seconds() <= kMaxSeconds;
+constexpr char kAnswerStyle[] =
+    R"(    .panel-title { font-size: 14px; font-weight: bold; fill: #333; }
+    .threshold-halo { stroke: #fff; stroke-width: 3; stroke-opacity: 0.7; }
+    .threshold { stroke: #222; stroke-width: 1; stroke-dasharray: 6 4; }
+    .plate { fill: #fff; }
+    .clip { fill-opacity: 0.3; stroke: #fff; stroke-width: 0.6; }
+    .answer-name, .clip-name { font-size: 12px; }
+    .clip-number { font-size: 11px; }
+)";
+
+constexpr double kTitleHeight = 24, kProbabilityHeight = 170, kFamiliarityHeight = 64;
+constexpr double kStripsGap = 5, kAnswerHeight = 24, kClipHeight = 20, kBelowStrips = 12;
+constexpr double kLegendNameWidth = 190, kLegendClipWidth = 230;
+
+struct AnswerLayout {
+  PictureFrame probability;
+  PictureFrame familiarity;
+  double answer_top = 0;
+  double clip_top = 0;
+};
+
+AnswerLayout AnswerLayoutBelow(double heading_height) {
+  AnswerLayout layout;
+  layout.probability = {kPlotLeft, heading_height + kTitleHeight, kPlotWidth, kProbabilityHeight};
+  layout.answer_top = layout.probability.bottom() + kStripsGap;
+  layout.clip_top = layout.answer_top + kAnswerHeight + kStripsGap;
+  layout.familiarity = {kPlotLeft, layout.clip_top + kClipHeight + kBelowStrips + kTitleHeight,
+                        kPlotWidth, kFamiliarityHeight};
+  return layout;
 }
 
-std::vector<WindowCell> Cells(const std::vector<const v1::RecognitionWindow*>& windows) {
-  std::vector<WindowCell> cells;
-  for (const v1::RecognitionWindow* window : windows) {
-    cells.push_back({window->start_seconds(), (window->start_seconds() + window->end_seconds()) / 2,
-                     window->end_seconds()});
+// Returns which labels are drawn: those that win a window, or are probable in any column.
+std::vector<bool> DrawnLabels(const RecognitionAnswer& answer) {
+  constexpr double kMinProbability = 0.05;
+  std::vector<bool> drawn;
+  for (std::size_t i = 0; i < answer.labels.size(); ++i) {
+    double highest = 0;
+    for (const AnswerColumn& column : answer.columns) {
+      highest = std::max(highest, column.probabilities[i]);
+    }
+    const bool relevant = answer.labels[i].windows_won > 0 || highest >= kMinProbability;
+    drawn.push_back(relevant && i < kLabelStyles);
   }
-  const std::size_t count = cells.size();
-  for (std::size_t i = 0; i + 1 < count; ++i) {
-    cells[i].end = cells[i + 1].start = (cells[i].middle + cells[i + 1].middle) / 2;
-  }
-  if (count > 1) {  // first and last are symmetric; a single window keeps its own times
-    cells.front().start = 2 * cells.front().middle - cells.front().end;
-    cells.back().end = 2 * cells.back().middle - cells.back().start;
-  }
-  return cells;
+  return drawn;
 }
 
-}  // namespace
-
-LayerProfile LayerProfileFrom(const v1::RecognizeResponse& response) {
-  constexpr double kNone = -std::numeric_limits<double>::infinity();
-  std::vector<const v1::RecognitionWindow*> windows;
-  for (const v1::RecognitionWindow& window : response.windows()) {
-    if (HasValidTimes(window)) windows.push_back(&window);
+// Strips, legends and frames of the answer.
+class AnswerPlot {
+ public:
+  AnswerPlot(const RecognitionAnswer& answer, double unknown_threshold, const AnswerLayout& layout)
+      : answer_(answer),
+        columns_(answer.columns),
+        threshold_(unknown_threshold),
+        layout_(layout),
+        drawn_(DrawnLabels(answer)) {
+    for (const AnswerColumn& column : columns_) time_axis_.Add(column.cell);
+    answer_parts_ = AnswerParts();
+    clip_parts_ = ClipParts();
   }
-  LayerProfile profile;
-  if (windows.empty()) return profile;
-  profile.layer = windows.front()->layer();
-  profile.window_seconds = windows.front()->end_seconds() - windows.front()->start_seconds();
-  profile.windows = Cells(windows);
-  std::map<std::string, ClipProfile> clips;
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    bool explained = false;
-    for (const v1::ClipProbability& clip : windows[i]->clips()) {
-      ClipProfile& drawn = clips[clip.clip()];
-      if (drawn.log_probability.empty()) {
-        drawn.clip = ShortName(clip.clip());
-        drawn.label = LabelOrPlaceholder(clip.label());
-        drawn.log_probability.assign(windows.size(), kNone);
+
+  const TimeAxis& time_axis() const { return time_axis_; }
+
+  std::string Svg() const {
+    const PictureFrame& probability = layout_.probability;
+    const PictureFrame& familiarity = layout_.familiarity;
+    const double height = familiarity.bottom() - probability.top;
+    return TitledGridSvg(probability, "Probability of labels", 0.2) + AreasSvg() +
+           FrameSvg(probability) + ThresholdSvg() +
+           StripTitle("answer", layout_.answer_top, kAnswerHeight) +
+           StripSvg("answer", answer_parts_, layout_.answer_top, kAnswerHeight) +
+           StripTitle("best clip", layout_.clip_top, kClipHeight) +
+           StripSvg("clip", clip_parts_, layout_.clip_top, kClipHeight) +
+           TitledGridSvg(familiarity, "Familiarity: share of stored windows that are less familiar",
+                         0.5) +
+           FrameSvg(familiarity) + FamiliaritySvg(answer_, time_axis_, familiarity) +
+           TooltipsSvg(answer_, time_axis_, {kPlotLeft, probability.top, kPlotWidth, height});
+  }
+
+  std::vector<LegendEntry> LabelLegend() const {
+    std::vector<LegendEntry> entries;
+    int other_count = 0, other_windows = 0;
+    for (std::size_t i = 0; i < drawn_.size(); ++i) {
+      const PlotLabel& label = answer_.labels[i];
+      if (drawn_[i]) {
+        entries.push_back(AreaEntry(TruncateToWidth(label.name, kLegendNameWidth),
+                                    label.windows_won, LabelAreaStyle(static_cast<int>(i))));
+      } else {
+        ++other_count;
+        other_windows += label.windows_won;
       }
-      if (!std::isfinite(clip.log_probability())) continue;
-      drawn.log_probability[i] = clip.log_probability();
-      explained = true;
     }
-    // If no clip has a path, all labels are equal, and none wins.
-    profile.winners.emplace_back();
-    if (explained && windows[i]->labels_size() > 0) {
-      profile.winners.back() = LabelOrPlaceholder(windows[i]->labels(0).label());
+    if (other_count > 0) {
+      entries.push_back(AreaEntry(CountText(other_count, "other label"), other_windows, "others"));
+    }
+    if (answer_.has_unknown) {
+      entries.push_back(AreaEntry("unknown", answer_.unknown_windows, "unknown"));
+    }
+    return entries;
+  }
+
+  // The names of the clips that have numbers in the strip.
+  std::vector<LegendEntry> ClipLegend() const {
+    std::vector<LegendEntry> entries;
+    for (const int index : numbered_clips_) {
+      const AnswerClip& clip = answer_.clips[static_cast<std::size_t>(index)];
+      entries.push_back({fmt::format("{}: {}", TruncateToWidth(clip.name, kLegendClipWidth),
+                                     CountText(clip.windows_won, "window")),
+                         [index](double x, double y) {
+                           return SvgLabel("clip-number", x, y + 4, NumberText(index));
+                         }});
+    }
+    return entries;
+  }
+
+ private:
+  static LegendEntry AreaEntry(const std::string& name, int windows, const std::string& style) {
+    return {windows > 0 ? fmt::format("{}: {}", name, CountText(windows, "window")) : name,
+            [style](double x, double y) { return SvgRectangle(style, x, y - 6, 20, 12); }};
+  }
+
+  static std::string NumberText(int clip) { return fmt::format("#{}", clip + 1); }
+
+  static std::string StripTitle(const std::string& title, double top, double height) {
+    return SvgLabel("tick", kPlotLeft - 8, top + height / 2 + 4, title, "text-anchor=\"end\"");
+  }
+
+  std::string TitledGridSvg(const PictureFrame& frame, const std::string& title,
+                            double step) const {
+    const std::vector<Tick> ticks = LinearTicks(
+        0, 1, step, [&](double value) { return frame.bottom() - frame.height * value; });
+    return SvgLabel("panel-title", frame.left, frame.top - 8, title) +
+           GridSvg(frame, time_axis_.Ticks(frame), ticks) + YTicksSvg(frame, ticks);
+  }
+
+  std::string AreasSvg() const {
+    const PictureFrame& frame = layout_.probability;
+    std::string svg = ProbabilityAreasSvg(answer_, drawn_, time_axis_, frame);
+    if (!svg.empty()) return svg;
+    return SvgLabel("line", frame.left + frame.width / 2, frame.top + frame.height / 2,
+                    columns_.empty() ? "no windows" : "no labels", "text-anchor=\"middle\"");
+  }
+
+  std::string ThresholdSvg() const {
+    if (!answer_.has_unknown || !(threshold_ > 0 && threshold_ < 1)) return "";
+    const PictureFrame& frame = layout_.probability;
+    const double y = frame.top + frame.height * threshold_;
+    return SvgLine("threshold-halo", frame.left, y, frame.right(), y) +
+           SvgLine("threshold", frame.left, y, frame.right(), y);
+  }
+
+  std::string AreaStyle(int label) const {
+    if (label == AnswerColumn::kUnknown) return "unknown";
+    return drawn_[static_cast<std::size_t>(label)] ? LabelAreaStyle(label) : "others";
+  }
+
+  // Calls `add(value, part)` for each run of columns with the same value. The part has the place of
+  // the run.
+  template <typename Add>
+  void ForRuns(int AnswerColumn::*value, const Add& add) const {
+    for (std::size_t begin = 0, end = 0; begin < columns_.size(); begin = end) {
+      const int common = columns_[begin].*value;
+      while (end < columns_.size() && columns_[end].*value == common) ++end;
+      if (common == AnswerColumn::kNone) continue;
+      StripPart part;
+      part.left = time_axis_.X(layout_.probability, columns_[begin].cell.start);
+      part.width = time_axis_.X(layout_.probability, columns_[end - 1].cell.end) - part.left;
+      add(common, std::move(part));
     }
   }
-  for (auto& [name, clip] : clips) profile.clips.push_back(std::move(clip));
-  return profile;
-}
 
-namespace {
-
-struct Colour {
-  const char* code;
-  const char* text;  // colour of text on it
-};
-
-constexpr Colour kColours[] = {
-    {"#0072b2", "#fff"}, {"#d55e00", "#fff"}, {"#009e73", "#fff"}, {"#cc79a7", "#222"},
-    {"#e69f00", "#222"}, {"#56b4e9", "#222"}, {"#222222", "#fff"}, {"#999999", "#222"},
-};
-constexpr int kColourCount = static_cast<int>(std::size(kColours));
-
-constexpr const char* kDashes[] = {"", "6 3", "2 2"};
-constexpr int kDashCount = static_cast<int>(std::size(kDashes));
-
-}  // namespace
-
-std::vector<PlotLabel> PlotLabels(const std::vector<LayerProfile>& layers) {
-  std::map<std::string, PlotLabel> found;
-  for (const LayerProfile& layer : layers) {
-    std::map<std::string, int> clip_counts;
-    for (const ClipProfile& clip : layer.clips) ++clip_counts[clip.label];
-    // All layers have the same clips, unless the model was replaced between the queries.
-    for (const auto& [label, count] : clip_counts) {
-      found[label].clip_count = std::max(found[label].clip_count, count);
-    }
-    for (const auto& winner : layer.winners) {
-      if (winner) ++found[*winner].windows_won;
-    }
-  }
-  std::vector<PlotLabel> labels;
-  for (auto& [name, label] : found) {
-    label.name = name;
-    labels.push_back(label);
-  }
-  if (static_cast<int>(labels.size()) > kColourCount) {
-    std::stable_sort(labels.begin(), labels.end(), [](const PlotLabel& a, const PlotLabel& b) {
-      return std::tie(a.windows_won, a.clip_count) > std::tie(b.windows_won, b.clip_count);
+  std::vector<StripPart> AnswerParts() const {
+    std::vector<StripPart> parts;
+    ForRuns(&AnswerColumn::answer, [&](int answer, StripPart part) {
+      part.area_style = AreaStyle(answer);
+      if (answer == AnswerColumn::kUnknown) {
+        part.text = "unknown";
+        part.text_style = "unknown-text";
+        part.plate_style = "plate";
+      } else {
+        part.text = FittingName(answer_.labels[static_cast<std::size_t>(answer)].name, part.width);
+        if (part.area_style != "others") {
+          part.text_style = LabelTextStyle(answer);
+          part.plate_style = LabelPlateStyle(answer);
+        }
+      }
+      parts.push_back(std::move(part));
     });
+    return parts;
   }
-  return labels;
-}
 
-std::map<std::string, int> LabelIndices(const std::vector<PlotLabel>& labels) {
-  std::map<std::string, int> places;
-  for (const PlotLabel& label : labels) places.emplace(label.name, static_cast<int>(places.size()));
-  return places;
-}
-
-std::string LabelLineStyle(int place) {
-  const int dash = place / kColourCount % kDashCount;
-  return fmt::format("c{}{}", place % kColourCount, dash > 0 ? fmt::format(" d{}", dash) : "");
-}
-
-std::string LabelAreaStyle(int place) { return fmt::format("a{}", place % kColourCount); }
-
-std::string LabelTextStyle(int place) { return fmt::format("t{}", place % kColourCount); }
-
-std::string LabelStyleSheet() {
-  std::string sheet;
-  for (int i = 0; i < kColourCount; ++i) {
-    sheet +=
-        fmt::format("    .c{0} {{ stroke: {1}; }} .a{0} {{ fill: {1}; }} .t{0} {{ fill: {2}; }}\n",
-                    i, kColours[i].code, kColours[i].text);
+  std::vector<StripPart> ClipParts() {
+    constexpr int kMaxNumber = 12;
+    std::vector<StripPart> parts;
+    ForRuns(&AnswerColumn::clip, [&](int index, StripPart part) {
+      const AnswerClip& clip = answer_.clips[static_cast<std::size_t>(index)];
+      part.area_style = AreaStyle(clip.label);
+      part.text = clip.name;
+      if (!NameFits(part.text, part.width)) {
+        part.text = index < kMaxNumber ? NumberText(index) : "";
+        if (index < kMaxNumber && NameFits(part.text, part.width)) numbered_clips_.insert(index);
+      }
+      parts.push_back(std::move(part));
+    });
+    return parts;
   }
-  for (int i = 1; i < kDashCount; ++i) {
-    sheet += fmt::format("    .d{} {{ stroke-dasharray: {}; }}\n", i, kDashes[i]);
-  }
-  return sheet;
+
+  const RecognitionAnswer& answer_;
+  const std::vector<AnswerColumn>& columns_;
+  const double threshold_;
+  const AnswerLayout layout_;
+  const std::vector<bool> drawn_;
+  TimeAxis time_axis_;
+  std::set<int> numbered_clips_;  // their names do not fit in a part of the strip
+  std::vector<StripPart> answer_parts_;
+  std::vector<StripPart> clip_parts_;
+};
+
+// Returns why the response has no probability of unknown motion.
+std::string NoUnknownText(const v1::RecognizeRequest& request,
+                          const v1::RecognizeResponse& response) {
+  std::string text;
+  if (request.method() != v1::METHOD_PAPER) text = UnknownNote(response.calibration());
+  if (text.empty()) return "no probability of unknown motion";
+  text.pop_back();  // end of line
+  return text;
 }
 
-namespace {
-
-constexpr double kPanelLeft = 80, kPanelRight = 26, kPanelWidth = 854;
-constexpr double kBetweenPanels = 14;
-constexpr double kBelowPanels = 66;  // for the time axis
-constexpr double kBelowLegend = 24, kBetweenLegendEntries = 34;
-
-PanelAxes AxesOf(const std::vector<LayerProfile>& layers, const std::vector<PlotLabel>& labels) {
-  constexpr double kMinSeconds = 0.01;
-  PanelAxes axes;
-  axes.label_indices = LabelIndices(labels);
-  bool first = true;
-  for (const LayerProfile& layer : layers) {
-    for (const WindowCell& window : layer.windows) {
-      axes.start_seconds = first ? window.start : std::min(axes.start_seconds, window.start);
-      axes.end_seconds = first ? window.end : std::max(axes.end_seconds, window.end);
-      first = false;
-    }
-    for (const ClipProfile& clip : layer.clips) {
-      for (const double value : clip.log_probability) axes.log_probability.Add(value);
-    }
+std::vector<std::string> AnswerHeading(const v1::RecognizeRequest& request,
+                                       const v1::RecognizeResponse& response,
+                                       const RecognitionAnswer& answer, double unknown_threshold) {
+  std::string what = WindowsText(answer.windows, answer.window_seconds);
+  if (answer.windows.empty()) return {what};
+  if (answer.windows_per_column > 1) {
+    what += fmt::format("; each column is the mean of {}",
+                        CountText(answer.windows_per_column, "window"));
   }
-  axes.end_seconds = std::max(axes.end_seconds, axes.start_seconds + kMinSeconds);
-  return axes;
-}
-
-std::string WindowsText(const LayerProfile& layer) {
-  if (layer.windows.empty()) return "no windows";
-  if (layer.windows.size() == 1) return fmt::format("one window of {:.3g} s", layer.window_seconds);
-  const double hop = (layer.windows.back().middle - layer.windows.front().middle) /
-                     static_cast<double>(layer.windows.size() - 1);
-  return fmt::format("{} windows of {:.3g} s, every {:.3g} s", layer.windows.size(),
-                     layer.window_seconds, hop);
-}
-
-std::vector<std::string> HeadingLines(const v1::RecognizeRequest& request,
-                                      const LayerProfile& layer, std::size_t label_count) {
-  std::string what =
-      fmt::format("{}; {} of {}; only the tree and its graphs", WindowsText(layer),
-                  CountText(layer.clips.size(), "stored clip"), CountText(label_count, "label"));
-  if (request.generation() == v1::GENERATION_TOP_PATHS) {
-    constexpr int kDefaultPaths = 5;  // from the wire contract
-    const int paths = request.path_count() > 0 ? request.path_count() : kDefaultPaths;
-    what += fmt::format(", best {}", CountText(paths, "path"));
-  }
-  return {what,
-          "Natural logarithm, nearly linear to -10. Thick lines: best clips of a window. Strips: "
-          "winning labels."};
-}
-
-std::string PanelTitle(const LayerProfile& layer, bool bottom) {
-  if (layer.windows.empty()) return bottom ? "Bottom layer" : "";
-  return fmt::format("Layer {}{}", layer.layer, bottom ? ", the bottom of the tree" : "");
-}
-
-std::vector<LegendEntry> LegendOf(const std::vector<PlotLabel>& labels) {
-  constexpr std::size_t kMaxEntries = 24;
-  constexpr double kNameWidth = 190;
-  std::vector<LegendEntry> entries;
-  for (std::size_t i = 0; i < std::min(labels.size(), kMaxEntries); ++i) {
-    const std::string style = "sample " + LabelLineStyle(static_cast<int>(i));
-    entries.push_back({fmt::format("{}: {}", TruncateToWidth(labels[i].name, kNameWidth),
-                                   CountText(labels[i].clip_count, "clip")),
-                       [style](double x, double y) { return SvgLine(style, x, y, x + 20, y); }});
-  }
-  if (labels.size() > kMaxEntries) {
-    entries.push_back({fmt::format("and {} more", labels.size() - kMaxEntries),
-                       [](double, double) { return std::string(); }});
-  }
-  return entries;
+  if (request.method() == v1::METHOD_PAPER) what += "; only the tree and its graphs";
+  if (!answer.has_unknown) return {what, NoUnknownText(request, response)};
+  return {what, fmt::format("Hatched: unknown motion. It is the answer if its probability is above "
+                            "{:g}: the hatching crosses the dashed line.",
+                            unknown_threshold)};
 }
 
 }  // namespace
-
-std::vector<int> PlottedLayers(int bottom_layer) {
-  std::vector<int> layers;
-  int below = bottom_layer;
-  for (const int layer : {(bottom_layer + 1) / 2, std::max(2, bottom_layer / 4)}) {
-    if (layer < 2 || layer >= below) continue;
-    layers.push_back(layer);
-    below = layer;
-  }
-  return layers;
-}
 
 std::string RecognitionPlotSvg(const v1::RecognizeRequest& request,
-                               const std::vector<v1::RecognizeResponse>& responses) {
-  constexpr double kTitleNameWidth = 230;
-  std::vector<LayerProfile> layers;
-  for (const v1::RecognizeResponse& response : responses)
-    layers.push_back(LayerProfileFrom(response));
-  if (layers.empty()) layers.emplace_back();
-  const std::vector<PlotLabel> labels = PlotLabels(layers);
-  const PanelAxes axes = AxesOf(layers, labels);
-  const std::string title =
-      fmt::format("Generation probability: {} in {}",
-                  TruncateToWidth(request.observation().file().file_name(), kTitleNameWidth),
-                  TruncateToWidth(ShortName(request.database()), kTitleNameWidth));
-  const std::vector<std::string> lines = HeadingLines(request, layers.front(), labels.size());
-
-  std::string body = HeadingSvg(kPanelLeft, kPanelWidth, title, lines);
-  PictureFrame frame{kPanelLeft, HeadingHeight(lines.size()) + kPanelTitleHeight, kPanelWidth,
-                     kPanelFrameHeight};
-  double bottom = 0;
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    body += PanelSvg(layers[i], PanelTitle(layers[i], i == 0 && request.layer() == 0), axes, frame);
-    bottom = frame.bottom() + kStripGap + kStripHeight;
-    frame.top += kPanelHeight + kBetweenPanels;
-  }
-  body += XTicksSvg(bottom, TimeTicks(axes, frame)) +
-          XCaptionSvg(frame, bottom, "middle of the window (s)");
-  const Legend legend =
-      LegendSvg(LegendOf(labels), kPanelLeft, kPanelLeft + kPanelWidth + kPanelRight,
-                bottom + kBelowPanels, kBetweenLegendEntries);
-  const double width = kPanelLeft + kPanelWidth + kPanelRight;
-  const double height = legend.last_y + kBelowLegend;
-  return PictureHead(width, height, title, PanelStyleSheet(layers.front()) + LabelStyleSheet()) +
-         BackgroundSvg(width, height) + body + legend.svg + "</svg>\n";
+                               const v1::RecognizeResponse& response, double unknown_threshold) {
+  const RecognitionAnswer answer = RecognitionAnswerFrom(response, unknown_threshold);
+  const std::string title = PlotTitle("Recognition", request);
+  const std::vector<std::string> lines =
+      AnswerHeading(request, response, answer, unknown_threshold);
+  const AnswerLayout layout = AnswerLayoutBelow(HeadingHeight(lines.size()));
+  const AnswerPlot plot(answer, unknown_threshold, layout);
+  return PlotFile(title, AreaStyleSheet() + kAnswerStyle,
+                  HatchingSvg() + LabelPatternsSvg(static_cast<int>(answer.labels.size())),
+                  HeadingSvg(kPlotLeft, kPlotWidth, title, lines) + plot.Svg(), plot.time_axis(),
+                  layout.familiarity.bottom(), {plot.LabelLegend(), plot.ClipLegend()});
 }
 
 }  // namespace motiondb::client

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include "client/cli/picture.h"
-#include "client/cli/recognition_plot.h"
+#include "client/cli/recognition_plot_labels.h"
 
 namespace motiondb::client {
 namespace {
@@ -24,7 +24,7 @@ class Panel {
  public:
   Panel(const PanelAxes& axes, const PictureFrame& frame) : axes_(axes), frame_(frame) {}
 
-  double X(double seconds) const { return PanelX(axes_, frame_, seconds); }
+  double X(double seconds) const { return axes_.time.X(frame_, seconds); }
   double Y(double log_probability) const {
     constexpr double kFarBelow = 2;  // frame heights; invisible, like all lower positions
     return frame_.top +
@@ -52,13 +52,14 @@ std::vector<Point> Thinned(const std::vector<Point>& points) {
   return thinned;
 }
 
-// A line through consecutive windows; a single window is a dash over its interval.
-std::string Piece(std::vector<Point> points, const WindowCell& first, const Panel& panel) {
-  if (points.size() == 1) {
-    points = {{panel.X(first.start), points[0].y}, {panel.X(first.end), points[0].y}};
-  } else {
-    points = Thinned(points);
-  }
+// Points of consecutive windows; a single window gives a dash over its interval.
+std::vector<Point> PiecePoints(std::vector<Point> points, const WindowCell& first,
+                               const Panel& panel) {
+  if (points.size() > 1) return Thinned(points);
+  return {{panel.X(first.start), points[0].y}, {panel.X(first.end), points[0].y}};
+}
+
+std::string PathData(const std::vector<Point>& points) {
   std::string data;
   for (const Point& point : points) {
     data +=
@@ -75,7 +76,8 @@ std::string ProfileSvg(const ClipProfile& clip, const std::vector<WindowCell>& w
     if (i < windows.size() && std::isfinite(clip.log_probability[i])) {
       points.push_back({panel.X(windows[i].middle), panel.Y(clip.log_probability[i])});
     } else if (!points.empty()) {
-      data += Piece(std::move(points), windows[i - points.size()], panel);
+      const WindowCell& first = windows[i - points.size()];
+      data += PathData(PiecePoints(std::move(points), first, panel));
       points.clear();
     }
   }
@@ -93,30 +95,49 @@ double MeanFraction(const ClipProfile& clip, const LogProbabilityAxis& axis) {
   return sum / static_cast<double>(clip.log_probability.size());
 }
 
-// Returns the clips that are the best of any window.
-std::set<const ClipProfile*> BestClips(const LayerProfile& layer) {
-  std::set<const ClipProfile*> best_clips;
-  for (std::size_t i = 0; i < layer.windows.size(); ++i) {
-    const ClipProfile* best = nullptr;
-    for (const ClipProfile& clip : layer.clips) {
-      if (!std::isfinite(clip.log_probability[i])) continue;
-      if (best == nullptr || clip.log_probability[i] > best->log_probability[i]) best = &clip;
+// Returns the band of the clips that are not lines, from their 5 % to their 95 % quantile.
+std::string BandSvg(const LayerProfile& layer, const Panel& panel) {
+  constexpr double kLow = 0.05, kHigh = 0.95;
+  std::string data;
+  std::vector<Point> upper, lower;
+  std::vector<double> values;
+  for (std::size_t i = 0; i <= layer.windows.size(); ++i) {
+    values.clear();
+    for (std::size_t c = 0; i < layer.windows.size() && c < layer.clips.size(); ++c) {
+      const ClipProfile& clip = layer.clips[c];
+      if (!clip.is_line && std::isfinite(clip.log_probability[i])) {
+        values.push_back(clip.log_probability[i]);
+      }
     }
-    if (best != nullptr) best_clips.insert(best);
+    if (!values.empty()) {
+      std::sort(values.begin(), values.end());
+      const auto last = static_cast<double>(values.size() - 1);
+      const double x = panel.X(layer.windows[i].middle);
+      upper.push_back({x, panel.Y(values[static_cast<std::size_t>(std::ceil(kHigh * last))])});
+      lower.push_back({x, panel.Y(values[static_cast<std::size_t>(std::floor(kLow * last))])});
+    } else if (!upper.empty()) {
+      const WindowCell& first = layer.windows[i - upper.size()];
+      std::vector<Point> outline = PiecePoints(std::move(upper), first, panel);
+      const std::vector<Point> back = PiecePoints(std::move(lower), first, panel);
+      outline.insert(outline.end(), back.rbegin(), back.rend());
+      data += PathData(outline) + "Z";
+      upper.clear();
+      lower.clear();
+    }
   }
-  return best_clips;
+  if (data.empty()) return "";
+  return fmt::format("<path class=\"band\" d=\"{}\"/>\n", data);
 }
 
 std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel) {
-  const std::set<const ClipProfile*> best_clips = BestClips(layer);
   std::vector<std::tuple<bool, double, const ClipProfile*>> clips;
   for (const ClipProfile& clip : layer.clips) {
-    clips.emplace_back(best_clips.count(&clip) > 0, -MeanFraction(clip, axes.log_probability),
-                       &clip);
+    if (!clip.is_line) continue;
+    clips.emplace_back(clip.windows_best > 0, -MeanFraction(clip, axes.log_probability), &clip);
   }
   // Comparing pointers is deterministic: they point into one vector.
   std::sort(clips.begin(), clips.end());
-  std::string svg;
+  std::string svg = BandSvg(layer, panel);
   for (const auto& [best, height, clip] : clips) {
     svg += ProfileSvg(*clip, layer.windows, panel,
                       fmt::format("clip {}{}", best ? "best " : "",
@@ -126,27 +147,21 @@ std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const 
 }
 
 // Consecutive windows with the same winner are one area, with its name if it fits.
-std::string StripSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel,
-                     double top) {
-  constexpr double kTextMargin = 5;
-  std::string svg;
+std::string WinnersSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel,
+                       double top) {
+  std::vector<StripPart> parts;
   for (std::size_t begin = 0, end = 0; begin < layer.winners.size(); begin = end) {
     const auto& winner = layer.winners[begin];
     while (end < layer.winners.size() && layer.winners[end] == winner) ++end;
     if (!winner) continue;
     const int place = axes.label_indices.at(*winner);
     const double left = panel.X(layer.windows[begin].start);
-    const double width = panel.X(layer.windows[end - 1].end) - left;
-    svg += fmt::format("<g><title>{}, {:.2f}-{:.2f} s</title>\n", SvgText(*winner),
-                       layer.windows[begin].start, layer.windows[end - 1].end);
-    svg += SvgRectangle("winner " + LabelAreaStyle(place), left, top, width, kStripHeight);
-    if (TruncateToWidth(*winner, width - 2 * kTextMargin) == *winner) {
-      svg += SvgLabel("winner-name " + LabelTextStyle(place), left + width / 2,
-                      top + kStripHeight - 4.5, *winner, "text-anchor=\"middle\"");
-    }
-    svg += "</g>\n";
+    parts.push_back({left, panel.X(layer.windows[end - 1].end) - left, LabelAreaStyle(place),
+                     LabelTextStyle(place), LabelPlateStyle(place), *winner,
+                     fmt::format("{}, {:.2f}-{:.2f} s", *winner, layer.windows[begin].start,
+                                 layer.windows[end - 1].end)});
   }
-  return svg;
+  return StripSvg("winner", parts, top, kStripHeight);
 }
 
 // Returns the number of values that the panel does not show.
@@ -177,17 +192,6 @@ std::string NothingText(const LayerProfile& layer) {
 
 }  // namespace
 
-double PanelX(const PanelAxes& axes, const PictureFrame& frame, double seconds) {
-  return frame.left +
-         frame.width * (seconds - axes.start_seconds) / (axes.end_seconds - axes.start_seconds);
-}
-
-std::vector<Tick> TimeTicks(const PanelAxes& axes, const PictureFrame& frame) {
-  const double step = TickStep(frame.width / (axes.end_seconds - axes.start_seconds));
-  return LinearTicks(axes.start_seconds, axes.end_seconds, step,
-                     [&](double seconds) { return PanelX(axes, frame, seconds); });
-}
-
 std::string PanelSvg(const LayerProfile& layer, const std::string& title, const PanelAxes& axes,
                      const PictureFrame& frame) {
   constexpr double kMinTickDistance = 17;
@@ -200,7 +204,7 @@ std::string PanelSvg(const LayerProfile& layer, const std::string& title, const 
   std::string svg = SvgLabel("panel-title", frame.left, frame.top - 8, title) +
                     SvgLabel("tick", frame.right(), frame.top - 8,
                              LeftOutText(layer, axes.log_probability), "text-anchor=\"end\"");
-  svg += GridSvg(frame, TimeTicks(axes, frame), y_ticks) + YTicksSvg(frame, y_ticks) +
+  svg += GridSvg(frame, axes.time.Ticks(frame), y_ticks) + YTicksSvg(frame, y_ticks) +
          YCaptionSvg(frame, "log probability");
   const std::string profiles = ProfilesSvg(layer, axes, panel);
   svg += ClipPathSvg(clip_path, frame) +
@@ -209,7 +213,7 @@ std::string PanelSvg(const LayerProfile& layer, const std::string& title, const 
     svg += SvgLabel("line", frame.left + frame.width / 2, frame.top + frame.height / 2,
                     NothingText(layer), "text-anchor=\"middle\"");
   }
-  return svg + FrameSvg(frame) + StripSvg(layer, axes, panel, frame.bottom() + kStripGap);
+  return svg + FrameSvg(frame) + WinnersSvg(layer, axes, panel, frame.bottom() + kStripGap);
 }
 
 std::string PanelStyleSheet(const LayerProfile& layer) {
@@ -218,7 +222,8 @@ std::string PanelStyleSheet(const LayerProfile& layer) {
     double width;
     double opacity;
   };
-  const std::size_t clips = layer.clips.size();
+  const auto clips = static_cast<std::size_t>(std::count_if(
+      layer.clips.begin(), layer.clips.end(), [](const auto& clip) { return clip.is_line; }));
   const Stroke line = clips <= kFewClips    ? Stroke{1.4, 0.85}
                       : clips <= kSomeClips ? Stroke{1.1, 0.65}
                                             : Stroke{0.9, 0.45};
@@ -230,6 +235,7 @@ std::string PanelStyleSheet(const LayerProfile& layer) {
       "    .clip {{ fill: none; stroke-width: {}; stroke-opacity: {}; stroke-linejoin: round; }}\n"
       "    .best {{ stroke-width: {}; stroke-opacity: {}; }}\n"
       "    .clip:hover {{ stroke-width: 3.5; stroke-opacity: 1; }}\n"
+      "    .band {{ fill: #e2e2e2; stroke: #d0d0d0; stroke-width: 1; }}\n"
       "    .winner-name {{ font-size: 12px; }}\n"
       "    .sample {{ stroke-width: 3; }}\n",
       line.width, line.opacity, best.width, best.opacity);

@@ -1,19 +1,19 @@
-// A panel of the recognition plot: the profiles of all clips of a layer in a frame, and a strip
-// below with the label that wins each window. Coordinates and sizes are pixels, y downwards.
+// A panel of the profile plot: the profiles of the clips of a layer in a frame, and a strip below
+// with the label that wins each window. Coordinates and sizes are pixels, y downwards.
 #pragma once
 
 #include <map>
 #include <string>
 
 #include "client/cli/picture.h"
-#include "client/cli/recognition_plot.h"
+#include "client/cli/recognition_plot_frame.h"
+#include "client/cli/recognition_plot_profile.h"
 
 namespace motiondb::client {
 
 // Axes that all panels share.
 struct PanelAxes {
-  double start_seconds = 0;
-  double end_seconds = 1;
+  TimeAxis time;
   LogProbabilityAxis log_probability;
   std::map<std::string, int> label_indices;
 };
@@ -27,12 +27,6 @@ constexpr double kPanelHeight = kPanelTitleHeight + kPanelFrameHeight + kStripGa
 
 std::string PanelSvg(const LayerProfile& layer, const std::string& title, const PanelAxes& axes,
                      const PictureFrame& frame);
-
-// Returns the x coordinate of a time.
-double PanelX(const PanelAxes& axes, const PictureFrame& frame, double seconds);
-
-// Returns the ticks of the time axis.
-std::vector<Tick> TimeTicks(const PanelAxes& axes, const PictureFrame& frame);
 
 // Returns the styles of the panels, chosen by one of their layers. With more clips, lines are
 // thinner and paler. With more windows, more clips are the best of a window, and these lines are

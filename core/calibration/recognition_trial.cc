@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "core/calibration/evidence_weight.h"
 #include "core/calibration/held_out.h"
 #include "core/calibration/trials.h"
+#include "core/calibration/unknown_fit.h"
 #include "core/model/even_spread.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
@@ -13,6 +16,7 @@
 #include "core/recognition/beginning_alignment.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/shortlist.h"
+#include "core/recognition/unknown.h"
 #include "core/recognition/window_alignment.h"
 
 namespace motiondb::core {
@@ -25,6 +29,11 @@ constexpr int kMaxWindows = 512;
 constexpr double kWindowSeconds = 0.4;
 constexpr double kMinWindowDistance = 0.2;  // s; closer windows add little information
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
+// Shorter beginnings of different behaviours are often alike, so they are left out for unknown
+// motion.
+constexpr double kMinUnknownBeginning = 0.4;
+// Without a label's clips, a shortlist must still have this many clips, or all that there are.
+constexpr std::size_t kMinOtherClips = 16;
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
 constexpr double kMaxWholeSeconds = 20;  // the rest of a longer clip is not used
@@ -32,14 +41,23 @@ constexpr double kMaxWholeSeconds = 20;  // the rest of a longer clip is not use
 // the observation is aligned with.
 constexpr double kMaxComparisons = 6e9;
 
+// An UnknownSample before the weight of the evidence is known.
+struct UnknownTrial {
+  UnknownSample sample;          // without `best`
+  std::vector<double> evidence;  // of each label; -infinity if all its clips were left out
+  WindowAlignment alignment;     // without the clips
+};
+
 // Results of held-out observations.
 struct TrialResults {
   std::vector<JudgedSample> samples;  // of clips whose label remains in the model
   std::vector<float> familiarity;
+  std::vector<UnknownTrial> unknown;
 
   void Append(const TrialResults& other) {
     samples.insert(samples.end(), other.samples.begin(), other.samples.end());
     familiarity.insert(familiarity.end(), other.familiarity.begin(), other.familiarity.end());
+    unknown.insert(unknown.end(), other.unknown.begin(), other.unknown.end());
   }
 };
 
@@ -47,15 +65,25 @@ struct TrialResults {
 class HeldOutClip {
  public:
   HeldOutClip(const Model& model, const std::vector<std::string>& labels, int clip)
-      : model_(model), labels_(labels), left_out_(LeftOutWith(model, clip)) {
+      : model_(model),
+        labels_(labels),
+        clip_(clip),
+        left_out_(LeftOutWith(model, clip)),
+        left_out_with_label_(left_out_),
+        clips_of_label_(labels.size()) {
     const std::string& label = model.clips()[clip].label;
-    label_ = static_cast<std::size_t>(std::lower_bound(labels.begin(), labels.end(), label) -
-                                      labels.begin());
+    label_ = LabelIndex(clip);
     for (std::size_t c = 0; c < left_out_.size(); ++c) {
       if (left_out_[c]) continue;
       has_clips_ = true;
-      has_label_ = has_label_ || model.clips()[c].label == label;
+      ++clips_of_label_[LabelIndex(static_cast<int>(c))];
+      if (model.clips()[c].label == label) {
+        left_out_with_label_[c] = true;
+      } else {
+        ++other_clips_;
+      }
     }
+    has_label_ = clips_of_label_[label_] > 0;
   }
 
   // Recognizes windows of `width` frames that begin at the frames `firsts` (ascending). `scaled`:
@@ -66,9 +94,16 @@ class HeldOutClip {
     const int stride = FrameStride(model_.settings().frame_rate_hz);
     const auto observation = MetricObservation::Create(model_, scaled);
     for (const int first : firsts) {
-      const auto alignment = AlignWindow(
-          model_, *observation, ComparedFrames(first, width, stride, false), left_out_, false, {});
+      const std::vector<int> compared = ComparedFrames(first, width, stride, false);
+      const auto alignment = AlignWindow(model_, *observation, compared, left_out_, false, {});
       Add(*alignment, results);
+      AddKnown(*alignment, results);
+      if (other_clips_ == 0) continue;
+      WindowAlignment others = WithoutLabel(*alignment);
+      if (LacksClips(others)) {
+        others = *AlignWindow(model_, *observation, compared, left_out_with_label_, false, {});
+      }
+      AddUnknown(others, results);
     }
     return results;
   }
@@ -91,8 +126,21 @@ class HeldOutClip {
       beginnings.lengths.push_back(length);
     }
     model_.scale().Apply(beginnings.newest);
-    for (const WindowAlignment& alignment : AlignBeginnings(model_, beginnings, left_out_)) {
-      Add(alignment, results);
+    const std::vector<WindowAlignment> alignments = AlignBeginnings(model_, beginnings, left_out_);
+    for (const WindowAlignment& alignment : alignments) Add(alignment, results);
+
+    std::vector<WindowAlignment> others;
+    others.reserve(alignments.size());
+    for (const WindowAlignment& alignment : alignments) others.push_back(WithoutLabel(alignment));
+    if (other_clips_ > 0 && std::ranges::any_of(others, [&](const WindowAlignment& alignment) {
+          return LacksClips(alignment);
+        })) {
+      others = AlignBeginnings(model_, beginnings, left_out_with_label_);
+    }
+    for (std::size_t b = 0; b < alignments.size(); ++b) {
+      if (kBeginnings[b] < kMinUnknownBeginning) continue;
+      AddKnown(alignments[b], results);
+      if (other_clips_ > 0) AddUnknown(others[b], results);
     }
     return results;
   }
@@ -105,21 +153,91 @@ class HeldOutClip {
         {LabelEvidence(model_, labels_, alignment.clips), label_, alignment.frames});
   }
 
+  std::size_t LabelIndex(int clip) const {
+    const auto at = std::lower_bound(labels_.begin(), labels_.end(), model_.clips()[clip].label);
+    return static_cast<std::size_t>(at - labels_.begin());
+  }
+
+  // Removes the clips of the label. The evidence of the others does not change.
+  WindowAlignment WithoutLabel(const WindowAlignment& alignment) const {
+    WindowAlignment others = alignment;
+    std::erase_if(others.clips, [&](const ClipEvidence& clip) {
+      return left_out_with_label_[static_cast<std::size_t>(clip.clip)];
+    });
+    return others;
+  }
+
+  bool LacksClips(const WindowAlignment& others) const {
+    return others.clips.size() < std::min(kMinOtherClips, other_clips_);
+  }
+
+  // Returns the evidence of each label; -infinity without clips.
+  std::vector<double> EvidenceOf(const WindowAlignment& alignment, bool is_unknown) const {
+    std::vector<double> evidence = LabelEvidence(model_, labels_, alignment.clips);
+    for (std::size_t l = 0; l < evidence.size(); ++l) {
+      if (clips_of_label_[l] == 0 || (is_unknown && l == label_)) {
+        evidence[l] = -std::numeric_limits<double>::infinity();
+      }
+    }
+    return evidence;
+  }
+
+  void AddKnown(const WindowAlignment& alignment, TrialResults& results) const {
+    if (!has_label_) return;
+    std::vector<double> evidence = EvidenceOf(alignment, false);
+    const double own_fit = evidence[label_] / alignment.frames;
+    results.unknown.push_back({{false, clip_, label_, {}, own_fit},
+                               std::move(evidence),
+                               {{}, alignment.frames, alignment.energy, 0}});
+  }
+
+  void AddUnknown(const WindowAlignment& others, TrialResults& results) const {
+    results.unknown.push_back({{true, clip_, label_, {}, 0},
+                               EvidenceOf(others, true),
+                               {{}, others.frames, others.energy, 0}});
+  }
+
   const Model& model_;
   const std::vector<std::string>& labels_;
+  const int clip_;
   const std::vector<bool> left_out_;
+  std::vector<bool> left_out_with_label_;
+  std::vector<int> clips_of_label_;  // that remain in the model
+  std::size_t other_clips_ = 0;      // that remain and have another label
   std::size_t label_ = 0;
   bool has_clips_ = false;  // a clip remains in the model
   bool has_label_ = false;  // a remaining clip has the label
 };
 
-// Fits the weight and the familiarity. Without samples the weight keeps its default.
-void Fit(TrialResults results, const std::vector<double>& powers, AnswerCalibration& calibration) {
+// Fits the weight, the familiarity, and, if `with_unknown`, the probability of unknown motion.
+// Without samples the weight keeps its default.
+void Fit(const std::vector<std::string>& labels, TrialResults results,
+         const std::vector<double>& powers, bool with_unknown, AnswerCalibration& calibration) {
   if (!results.samples.empty()) {
     calibration.weight = FitEvidenceWeight(results.samples, powers);
   }
+  if (with_unknown) {
+    std::vector<UnknownSample> samples;
+    for (UnknownTrial& trial : results.unknown) {
+      trial.sample.best = FindBestLabel(trial.evidence, trial.alignment, calibration.weight);
+      samples.push_back(trial.sample);
+    }
+    calibration.unknown = FitUnknownModel(labels, samples);
+  }
   std::sort(results.familiarity.begin(), results.familiarity.end());
   calibration.familiarity = std::move(results.familiarity);
+}
+
+// Returns whether the clips suffice to hold out clips, labels and subjects.
+UnknownCalibration CanCalibrateUnknown(const Model& model, std::size_t labels) {
+  std::set<std::string> subjects;
+  for (const ModelClip& clip : model.clips()) {
+    if (!clip.subject.empty()) subjects.insert(clip.subject);
+  }
+  if (model.clips().size() < 2) return UnknownCalibration::kOneClip;
+  if (labels < 2) return UnknownCalibration::kOneLabel;
+  if (subjects.size() < 2) return UnknownCalibration::kOneSubject;
+  return UnknownCalibration::kFitted;
 }
 
 }  // namespace
@@ -169,8 +287,16 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     windows[0].Append(windows[i]);
     whole[0].Append(whole[i]);
   }
-  Fit(std::move(windows[0]), {1}, calibration.window);
-  Fit(std::move(whole[0]), {std::begin(kPowers), std::end(kPowers)}, calibration.whole);
+  calibration.unknown = CanCalibrateUnknown(model, labels.size());
+  const bool with_unknown = calibration.unknown == UnknownCalibration::kFitted;
+  Fit(labels, std::move(windows[0]), {1}, with_unknown, calibration.window);
+  Fit(labels, std::move(whole[0]), {std::begin(kPowers), std::end(kPowers)}, with_unknown,
+      calibration.whole);
+  if (with_unknown && !(calibration.window.unknown && calibration.whole.unknown)) {
+    calibration.unknown = UnknownCalibration::kTooFewClips;
+    calibration.window.unknown.reset();
+    calibration.whole.unknown.reset();
+  }
   return calibration;
 }
 

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace motiondb::core {
@@ -16,9 +19,29 @@ struct EvidenceWeight {
   double At(int frames) const { return scale * std::pow(frames, power - 1); }
 };
 
+// Log evidence per frame of a label's held-out clips for the label: how similar its clips are.
+struct LabelFit {
+  std::string label;
+  double mean = 0;
+  double deviation = 1;
+};
+
+// Logistic regression of the probability that a motion has none of the stored labels, from the
+// features of core/recognition/unknown.h.
+struct UnknownModel {
+  static constexpr int kFeatures = 3;
+
+  double intercept = 0;
+  std::array<double, kFeatures> weights = {};
+  double typical_mean = 0;  // of a label without a fit
+  double typical_deviation = 1;
+  std::vector<LabelFit> fits;  // ascending by label
+};
+
 struct AnswerCalibration {
   EvidenceWeight weight;
   std::vector<float> familiarity;  // scores of held-out observations, ascending
+  std::optional<UnknownModel> unknown;
 
   // Returns the fraction of held-out observations with a lower score, 0 to 1.
   double FamiliarityRank(double score) const {
@@ -29,10 +52,21 @@ struct AnswerCalibration {
   }
 };
 
+// Whether the calibration has an UnknownModel, or why not. The numbers are stored.
+enum class UnknownCalibration {
+  kFitted,       // it has
+  kNotFitted,    // the model is not calibrated, or was by an older version
+  kOneClip,      // no clip can be held out
+  kOneLabel,     // no label can be held out
+  kOneSubject,   // fewer than two subjects are named: nobody knows how people differ
+  kTooFewClips,  // too few clips remain if a subject or a label is held out
+};
+
 // The default weights are typical values, for models that are not calibrated.
 struct RecognitionCalibration {
-  AnswerCalibration window{{0.07, 1}, {}};
-  AnswerCalibration whole{{0.25, 0.25}, {}};
+  AnswerCalibration window{{0.07, 1}, {}, {}};
+  AnswerCalibration whole{{0.25, 0.25}, {}, {}};
+  UnknownCalibration unknown = UnknownCalibration::kNotFitted;
 
   const AnswerCalibration& Of(bool whole_observation) const {
     return whole_observation ? whole : window;

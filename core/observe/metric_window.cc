@@ -5,6 +5,7 @@
 #include "core/model/model.h"
 #include "core/recognition/alignment_loops.h"
 #include "core/recognition/metric_observation.h"
+#include "core/recognition/window_alignment.h"
 #include "core/tree/row_kernels.h"
 
 namespace motiondb::core {
@@ -53,7 +54,7 @@ double MetricWindow::SquaredDifference(std::int64_t frame, int stored_frame) {
   MetricFrame& kept = frames_[Place(frame)];
   if (kept.nearest != stored_frame) {
     const auto dimensions = static_cast<int>(kept.state.cols());
-    difference_ = kept.state.row(0) - model_.states().row(stored_frame);
+    difference_ = kept.state.row(0) - NearestState(model_, stored_frame, kept.state.row(0));
     whitened_.resize(dimensions);
     MultiplyRows(difference_.data(), 1, dimensions, model_.metric().whitening.data(), dimensions,
                  whitened_.data());

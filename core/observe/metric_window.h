@@ -35,7 +35,8 @@ class MetricWindow {
   const MetricFrame& At(const ObservedStates& states, std::int64_t frame);
   // Returns a frame that At has returned before.
   const MetricFrame& Kept(std::int64_t frame) const { return frames_[Place(frame)]; }
-  // Returns a frame's squared whitened difference to a stored frame, summed over the dimensions.
+  // Returns a frame's squared whitened difference from the NearestState of a stored frame, summed
+  // over the dimensions.
   double SquaredDifference(std::int64_t frame, int stored_frame);
   void Restart();
 

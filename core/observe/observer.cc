@@ -232,6 +232,7 @@ absl::StatusOr<std::optional<Observed>> Observer::Answer(const Cancelled& cancel
   observed.state = filter_->Peek(Scaled(states_.next() - 1));
   MOTIONDB_ASSIGN_OR_RETURN(auto recognized, recognizer_->Recognize(states_, cancelled));
   observed.labels = std::move(recognized.labels);
+  observed.unknown_probability = recognized.unknown_probability;
   observed.familiarity = recognized.familiarity;
   if (!options_.horizon_seconds.empty()) {
     MOTIONDB_RETURN_IF_ERROR(PredictInto(cancelled, observed));

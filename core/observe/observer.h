@@ -42,10 +42,11 @@ absl::Status CheckOptions(const ObserverOptions& options, const BuildSettings& s
 struct Observed {
   std::int64_t frame = 0;  // number of the newest frame in the answer
   int layer = 0;
-  NodeState state;                       // the most probable current node, given all frames so far
-  std::vector<LabelScore> labels;        // most probable first; they sum to 1
-  double familiarity = 0;                // as RecognizedWindow::familiarity
-  std::vector<PredictedFrame> horizons;  // in the order of the request
+  NodeState state;                 // the most probable current node, given all frames so far
+  std::vector<LabelScore> labels;  // most probable first
+  std::optional<double> unknown_probability;  // as RecognizedWindow::unknown_probability
+  double familiarity = 0;                     // as RecognizedWindow::familiarity
+  std::vector<PredictedFrame> horizons;       // in the order of the request
 };
 
 class Observer {

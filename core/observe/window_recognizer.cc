@@ -11,6 +11,7 @@
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/clip_generation.h"
 #include "core/recognition/metric_observation.h"
+#include "core/recognition/unknown.h"
 #include "core/recognition/window_alignment.h"
 
 namespace motiondb::core {
@@ -51,7 +52,8 @@ absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Whole(const ObservedS
   options.transition_floor = transition_floor_;
   MOTIONDB_ASSIGN_OR_RETURN(
       auto windows, core::Recognize(model_, states.Last(Width(states)), options, cancelled));
-  return Answer{std::move(windows.front().labels), windows.front().familiarity};
+  RecognizedWindow& window = windows.front();
+  return Answer{std::move(window.labels), window.unknown_probability, window.familiarity};
 }
 
 bool WindowRecognizer::ShowsAll(const ObservedStates& states) const {
@@ -159,6 +161,12 @@ std::vector<ClipEvidence> WindowRecognizer::DecisiveClips() {
   return decisive;
 }
 
+double WindowRecognizer::Energy() const {
+  double sum = 0;
+  for (const std::int64_t frame : frames_) sum += window_->Kept(frame).squared_norm;
+  return sum / static_cast<double>(frames_.size());
+}
+
 double WindowRecognizer::FamiliarityScore() {
   double sum = 0;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -176,9 +184,9 @@ absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Recognize(const Obser
   ChooseFrames(states);
   MOTIONDB_RETURN_IF_ERROR(CompareClips(states, cancelled));
   const AnswerCalibration& calibration = model_.recognition().window;
-  Answer answer;
-  answer.labels = LabelsByAlignment(
-      model_, labels_, {DecisiveClips(), static_cast<int>(frames_.size()), 0}, calibration.weight);
+  WindowAlignment alignment{DecisiveClips(), static_cast<int>(frames_.size()), Energy(), 0};
+  LabelAnswer labels = LabelsOrUnknown(model_, labels_, alignment, calibration);
+  Answer answer{std::move(labels.labels), labels.unknown_probability, 0};
   answer.familiarity = calibration.familiarity.empty()
                            ? FamiliarityByGraph(states)
                            : calibration.FamiliarityRank(FamiliarityScore());

@@ -31,6 +31,7 @@ class WindowRecognizer {
   // Equals the result of Recognize for the window, up to rounding.
   struct Answer {
     std::vector<LabelScore> labels;
+    std::optional<double> unknown_probability;
     double familiarity = 0;
   };
   // `states`: at least one frame. CANCELLED.
@@ -53,6 +54,7 @@ class WindowRecognizer {
   // Returns the clips that determine each label's evidence, as LabelEvidence uses them.
   std::vector<ClipEvidence> DecisiveClips();
   double LogEvidence(const CachedClip& clip);
+  double Energy() const;
   double FamiliarityScore();
 
   int Width(const ObservedStates& states) const;

@@ -57,11 +57,11 @@ class WhitenedSquares {
     }
     FrameMatrix differences(std::ssize(changed) + 1, newest.size());
     for (std::size_t i = 0; i < changed.size(); ++i) {
+      const auto state = shared_.row(static_cast<Eigen::Index>(changed[i]));
       differences.row(static_cast<Eigen::Index>(i)) =
-          shared_.row(static_cast<Eigen::Index>(changed[i])) -
-          model_.states().row(nearest[changed[i]].frame);
+          state - NearestState(model_, nearest[changed[i]].frame, state);
     }
-    differences.bottomRows(1) = newest - model_.states().row(nearest[shared].frame);
+    differences.bottomRows(1) = newest - NearestState(model_, nearest[shared].frame, newest);
     const FrameMatrix whitened = RowProduct(differences, model_.metric().whitening);
     for (std::size_t i = 0; i < changed.size(); ++i) {
       frame_[changed[i]] = nearest[changed[i]].frame;
@@ -194,6 +194,7 @@ std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginning
     FrameMatrix observed(shared_count[b] + 1, shared.cols());
     observed << shared.topRows(shared_count[b]), newest.row(static_cast<Eigen::Index>(b));
     alignments[b].frames = shared_count[b] + 1;
+    alignments[b].energy = observed.rowwise().squaredNorm().mean();
     nearest[b].assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
     for (const int clip : ShortlistClips(model, nullptr, observed, left_out)) {
       results[clip].push_back({static_cast<int>(b), static_cast<int>(alignments[b].clips.size())});

@@ -10,6 +10,7 @@
 #include "core/recognition/clip_generation.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/shortlist.h"
+#include "core/recognition/unknown.h"
 #include "core/recognition/window_alignment.h"
 
 namespace motiondb::core {
@@ -64,7 +65,9 @@ absl::Status ScoreByAlignment(const Model& model, const MetricObservation& obser
     window.clips.push_back({clip.clip, clip.log_evidence});
   }
   const AnswerCalibration& calibration = model.recognition().Of(whole);
-  window.labels = LabelsByAlignment(model, Labels(model), alignment, calibration.weight);
+  LabelAnswer answer = LabelsOrUnknown(model, Labels(model), alignment, calibration);
+  window.labels = std::move(answer.labels);
+  window.unknown_probability = answer.unknown_probability;
   window.familiarity = calibration.FamiliarityRank(alignment.familiarity_score);
   return absl::OkStatus();
 }

@@ -1,6 +1,7 @@
 // Recognizes the behaviour of a motion (sections IV-B, V-B).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,11 @@ struct RecognizedWindow {
   int layer = 0;
   // Most probable first. kPaper: all clips; kBest: the shortlisted clips, at most 64.
   std::vector<ClipScore> clips;
-  std::vector<LabelScore> labels;  // most probable first; the probabilities sum to 1
+  std::vector<LabelScore> labels;  // most probable first
+  // Probability that the window has none of the labels (unknown.h): with it the probabilities of
+  // the labels sum to 1. Absent for kPaper and for models that cannot be calibrated for it
+  // (UnknownCalibration): the labels sum to 1 alone.
+  std::optional<double> unknown_probability;
   // Fraction of reference windows that are less similar to the stored motion than this window.
   // kPaper: stored windows, under the global graph. kBest: stored windows, each compared without
   // its own clip (as kPaper if the model is not calibrated).

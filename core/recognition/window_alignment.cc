@@ -22,8 +22,9 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
                         const std::vector<NearestFrame>& nearest) {
   FrameMatrix differences(static_cast<Eigen::Index>(compared.size()), observation.states.cols());
   for (std::size_t i = 0; i < compared.size(); ++i) {
+    const auto state = observation.states.row(compared[i]);
     differences.row(static_cast<Eigen::Index>(i)) =
-        observation.states.row(compared[i]) - model.states().row(nearest[i].frame);
+        state - NearestState(model, nearest[i].frame, state);
   }
   const FrameMatrix whitened = RowProduct(differences, observation.MetricFor(model).whitening);
   return FamiliarityOfDifference(static_cast<double>(whitened.squaredNorm()) /
@@ -43,6 +44,38 @@ MetricFrames ProjectClip(const Model& model, const MotionMetric& metric, int cli
 }
 
 }  // namespace
+
+Eigen::RowVectorXf NearestState(const Model& model, int nearest,
+                                const Eigen::Ref<const Eigen::RowVectorXf>& state) {
+  const int reach = FrameStride(model.settings().frame_rate_hz) - 1;
+  const ModelClip& clip = model.clips()[model.clip_of_frame(nearest)];
+  const int first = clip.first_frame;
+  const int last = clip.first_frame + clip.frame_count - 1;
+  int best = nearest;
+  float least = std::numeric_limits<float>::infinity();
+  for (int frame = std::max(first, nearest - reach); frame <= std::min(last, nearest + reach);
+       ++frame) {
+    const float squared = (model.states().row(frame) - state).squaredNorm();
+    if (squared >= least) continue;
+    least = squared;
+    best = frame;
+  }
+  const Eigen::RowVectorXf at_best = model.states().row(best);
+  Eigen::RowVectorXf closest = at_best;
+  for (const int next : {best - 1, best + 1}) {
+    if (next < first || next > last) continue;
+    const Eigen::RowVectorXf step = model.states().row(next) - at_best;
+    const float length = step.squaredNorm();
+    if (!(length > 0)) continue;
+    const float share = std::clamp(step.dot(state - at_best) / length, 0.0F, 1.0F);
+    const Eigen::RowVectorXf between = at_best + share * step;
+    const float squared = (between - state).squaredNorm();
+    if (squared >= least) continue;
+    least = squared;
+    closest = between;
+  }
+  return closest;
+}
 
 double FamiliarityOfDifference(double mean_square) {
   return -std::log(std::max(mean_square, kMinDifference));
@@ -64,6 +97,7 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
   ClipAligner aligner(observed, anchored);
   WindowAlignment window;
   window.frames = static_cast<int>(compared.size());
+  window.energy = observed.rowwise().squaredNorm().mean();
   for (const int clip : ShortlistClips(model, observation.own.get(), observed, left_out)) {
     const double log_evidence =
         observation.own == nullptr
@@ -133,13 +167,10 @@ std::vector<double> LabelEvidence(const Model& model, const std::vector<std::str
   return evidence;
 }
 
-std::vector<LabelScore> LabelsByAlignment(const Model& model,
-                                          const std::vector<std::string>& labels,
-                                          const WindowAlignment& alignment,
-                                          const EvidenceWeight& weight) {
-  std::vector<double> logs = LabelEvidence(model, labels, alignment.clips);
-  for (double& log : logs) log *= weight.At(alignment.frames);
-  return Normalized(labels, logs);
+std::vector<LabelScore> LabelsByAlignment(const std::vector<std::string>& labels,
+                                          std::vector<double> evidence, double weight) {
+  for (double& log : evidence) log *= weight;
+  return Normalized(labels, evidence);
 }
 
 }  // namespace motiondb::core

@@ -21,8 +21,9 @@ struct ClipEvidence {
 struct WindowAlignment {
   std::vector<ClipEvidence> clips;  // in descending order of evidence
   int frames = 0;                   // number of compared frames
+  double energy = 0;  // mean over the frames of the squared distance from the metric's mean
   // Similarity to the stored clips: negative logarithm of the mean, over frames and dimensions, of
-  // the squared whitened difference from the nearest stored frame.
+  // the squared whitened difference from the nearest stored motion (NearestState).
   double familiarity_score = 0;
 };
 
@@ -31,6 +32,12 @@ void SortByEvidence(std::vector<ClipEvidence>& clips);
 
 // Returns the familiarity score of a mean squared whitened difference.
 double FamiliarityOfDifference(double mean_square);
+
+// Returns the stored motion that differs least from `state` (scaled, without NaN), less than a
+// stride (FrameStride) from frame `nearest` of the same clip: alignment sees only strided frames.
+// Between frames it is interpolated, because the same motion can be sampled at other times.
+Eigen::RowVectorXf NearestState(const Model& model, int nearest,
+                                const Eigen::Ref<const Eigen::RowVectorXf>& state);
 
 // Aligns the observation's frames `compared` (ComparedFrames) with each shortlisted clip.
 // `anchored` as for AlignToClip. CANCELLED. REQUIRES: at least one clip is not left out.
@@ -54,10 +61,8 @@ std::vector<double> LabelEvidence(const Model& model, const std::vector<std::str
                                   const std::vector<ClipEvidence>& clips);
 
 // Returns P(label | window) by alignment: proportional to exp(weight * evidence). `labels`:
-// Labels(model). Most probable first.
-std::vector<LabelScore> LabelsByAlignment(const Model& model,
-                                          const std::vector<std::string>& labels,
-                                          const WindowAlignment& alignment,
-                                          const EvidenceWeight& weight);
+// Labels(model); `evidence`: their LabelEvidence. Most probable first.
+std::vector<LabelScore> LabelsByAlignment(const std::vector<std::string>& labels,
+                                          std::vector<double> evidence, double weight);
 
 }  // namespace motiondb::core

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -45,6 +46,12 @@ inline StoredAmount AmountOf(const storage::ClipRecord& clip) {
 // UNAVAILABLE, or waits for the outcome.
 enum class DeletionPolicy { kRefuse, kAwait };
 
+struct WindowTally {
+  std::int64_t known = 0;
+  std::int64_t unknown = 0;       // core::RecognizedWindow::unknown_probability above 0.5
+  std::int64_t uncalibrated = 0;  // without a probability of unknown motion
+};
+
 class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
  public:
   LiveDatabase(std::string name, const core::BuildSettings& settings);
@@ -71,6 +78,18 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   // Open observe streams that use its model; `change` is 1 or -1.
   int open_streams() const { return open_streams_; }
   void AddOpenStreams(int change) { open_streams_ += change; }
+
+  // Answers of Recognize and Observe since the start, one for each window.
+  WindowTally recognized_windows() const {
+    return {known_windows_, unknown_windows_, uncalibrated_windows_};
+  }
+  // `unknown_probability`: core::RecognizedWindow::unknown_probability of a window.
+  void CountWindow(std::optional<double> unknown_probability) {
+    (!unknown_probability         ? uncalibrated_windows_
+     : *unknown_probability > 0.5 ? unknown_windows_
+                                  : known_windows_)
+        .fetch_add(1, std::memory_order_relaxed);
+  }
 
   // Clips with corrupt stored states, and the reason. Models are built without them. Adding a known
   // clip has no effect.
@@ -118,6 +137,9 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   std::map<std::string, std::string> unreadable_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> underived_ ABSL_GUARDED_BY(mutex_);
   std::atomic<int> open_streams_{0};
+  std::atomic<std::int64_t> known_windows_{0};
+  std::atomic<std::int64_t> unknown_windows_{0};
+  std::atomic<std::int64_t> uncalibrated_windows_{0};
 
   enum class Life { kAlive, kRetiring, kDeleted };
   storage::ConditionVariable life_changed_;

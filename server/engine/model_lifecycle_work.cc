@@ -34,6 +34,13 @@ constexpr double kDeriveShare = 0.5;
 // Maximum attempts of a build whose clips are deleted meanwhile.
 constexpr int kAttempts = 8;
 
+// Models of older versions have no calibration for unknown motion. Models without a metric cannot
+// have one.
+bool LacksCalibration(const core::Model& model) {
+  return !model.metric().empty() &&
+         model.recognition().unknown == core::UnknownCalibration::kNotFitted;
+}
+
 // A tree of one node cannot tell motions apart, but no call fails because of it.
 void WarnOfSingleNode(const std::string& database, const Snapshot& snapshot) {
   const core::Model& model = snapshot.model;
@@ -373,7 +380,8 @@ absl::StatusOr<bool> ModelLifecycle::HasAllClips(const Snapshot& snapshot) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
                             services_.store.FindModelStaleness(database_.name()));
   bool has_all = snapshot.is_stored() && !HasDrifted(snapshot.record) && staleness.removed == 0 &&
-                 staleness.outdated == 0 && staleness.to_derive == 0;
+                 staleness.outdated == 0 && staleness.to_derive == 0 &&
+                 !LacksCalibration(snapshot.model);
   // Clips may be missing because they are corrupt. If one of them is readable, the model is out of
   // date, and the build reads the rest.
   for (auto clip = staleness.missing.begin(); has_all && clip != staleness.missing.end(); ++clip) {

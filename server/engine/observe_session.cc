@@ -89,6 +89,7 @@ absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
   MOTIONDB_ASSIGN_OR_RETURN(step.model_replaced, SwitchModel());
   step.model_version = query_.snapshot()->record.version;
   step.calibration = query_.snapshot()->calibration;
+  step.unknown_calibration = query_.model().recognition().unknown;
   if (observer_ == nullptr) MOTIONDB_RETURN_IF_ERROR(MapMarkers(positions));
   if (observer_ == nullptr) return step;
   if (const absl::Status appended = observer_->Append(first_frame, positions, terms.cancelled);
@@ -96,6 +97,7 @@ absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
     return core::AtField("frames", appended);
   }
   MOTIONDB_ASSIGN_OR_RETURN(step.observed, observer_->Answer(terms.cancelled));
+  if (step.observed) query_.database()->CountWindow(step.observed->unknown_probability);
   step.late_frames = observer_->late_frames();
   step.missing_frames = observer_->missing_frames();
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(memory_.kept));

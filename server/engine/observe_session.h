@@ -30,6 +30,7 @@ struct ObserveStep {
   std::optional<core::Observed> observed;  // nullopt until both hips were seen
   int model_version = 0;
   Calibration calibration = Calibration::kOwn;
+  core::UnknownCalibration unknown_calibration = core::UnknownCalibration::kNotFitted;
   bool model_replaced = false;
   std::int64_t late_frames = 0;
   std::int64_t missing_frames = 0;

@@ -37,7 +37,7 @@ class PredictionSeries {
   absl::StatusOr<std::optional<core::Prediction>> Next();
 
   const core::Model& model() const { return snapshot_->model; }
-  Calibration calibration() const { return snapshot_->calibration; }
+  const Snapshot& snapshot() const { return *snapshot_; }
 
  private:
   PredictionSeries(std::shared_ptr<const Snapshot> snapshot, core::StateSequence observation,

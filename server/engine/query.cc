@@ -28,7 +28,12 @@ absl::StatusOr<std::vector<core::RecognizedWindow>> Query::Recognize(
   MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(options));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, States(observation));
   MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(BytesToRecognize(model(), states, options, top_count)));
-  return core::Recognize(model(), states, options, terms_.cancelled);
+  auto windows = core::Recognize(model(), states, options, terms_.cancelled);
+  if (!windows.ok()) return windows;
+  for (const core::RecognizedWindow& window : *windows) {
+    database_->CountWindow(window.unknown_probability);
+  }
+  return windows;
 }
 
 absl::StatusOr<core::Estimation> Query::Estimate(const Observation& observation,

@@ -39,7 +39,8 @@ DatabaseStatistics StatisticsOf(Engine& engine, const LiveDatabase& database) {
                              .stored = database.stored(),
                              .operation = engine.CurrentOperation(database),
                              .rebuilds = database.lifecycle().rebuilds(),
-                             .open_streams = database.open_streams()};
+                             .open_streams = database.open_streams(),
+                             .windows = database.recognized_windows()};
   if (const auto snapshot = database.lifecycle().snapshot()) {
     figures.model = snapshot->record;
     const std::int64_t age_us = NowMicroseconds() - snapshot->record.create_time_us;

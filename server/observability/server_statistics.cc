@@ -196,6 +196,19 @@ void AddDatabases(const ServerStatistics& figures, Families& families) {
       [](const auto& database) { return database.model->build_seconds; }, families);
 }
 
+void AddWindows(const ServerStatistics& figures, Families& families) {
+  families.Begin(MetricType::Counter, "motiondb_recognized_windows_total",
+                 "Windows that Recognize and Observe answered since the start, by answer.");
+  for (const DatabaseStatistics& database : figures.databases) {
+    const auto put = [&](const char* answer, std::int64_t count) {
+      families.Put({{"database", database.name}, {"answer", answer}}, static_cast<double>(count));
+    };
+    put("known", database.windows.known);
+    put("unknown", database.windows.unknown);
+    put("uncalibrated", database.windows.uncalibrated);
+  }
+}
+
 void AddRebuilds(const ServerStatistics& figures, Families& families) {
   AddEach(
       figures, "motiondb_rebuild_pending", "1 while a build of the model waits or runs, else 0.",
@@ -233,6 +246,7 @@ std::vector<MetricFamily> FamiliesOf(const ServerStatistics& figures) {
   AddWriteFailures(figures, families);
   AddDisk(figures, families);
   AddDatabases(figures, families);
+  AddWindows(figures, families);
   AddRebuilds(figures, families);
   AddProcess(figures, families);
   return std::move(families).Take();

@@ -45,6 +45,7 @@ struct DatabaseStatistics {
   std::optional<storage::OperationRecord> operation;  // pending or running build
   RebuildTally rebuilds;
   int open_streams = 0;
+  WindowTally windows;
 };
 
 // Source of the metrics, GetServerStatus and readiness.

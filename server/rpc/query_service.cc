@@ -22,7 +22,7 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
                             ParseObservation("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
                             query.Recognize(observation, options, request.top_count()));
-  response.set_calibration(ToProto(query.snapshot()->calibration));
+  response.set_calibration(CalibrationOf(*query.snapshot()));
   return SetRecognition(windows, database, query.model(), request.top_count(), response);
 }
 
@@ -47,7 +47,7 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
                             ParseObservation("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, query.Predict(observation, options));
   SetPrediction(prediction, database, query.model(), options.method, response);
-  response.set_calibration(ToProto(query.snapshot()->calibration));
+  response.set_calibration(CalibrationOf(*query.snapshot()));
   return absl::OkStatus();
 }
 
@@ -67,7 +67,7 @@ absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
     MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, series->Next());
     if (!prediction.has_value()) return false;
     SetPrediction(*prediction, database, series->model(), method, *message.mutable_prediction());
-    message.mutable_prediction()->set_calibration(ToProto(series->calibration()));
+    message.mutable_prediction()->set_calibration(CalibrationOf(series->snapshot()));
     return true;
   };
 }

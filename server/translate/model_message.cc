@@ -19,7 +19,7 @@ void SetModel(const storage::ModelRecord& record, const core::BuildSettings& set
   const Calibration calibration = current ? snapshot->calibration : Calibration::kOwn;
   message.set_name(calibration == Calibration::kOwn ? ModelName(record.database, record.version)
                                                     : CurrentModelName(record.database));
-  message.set_calibration(ToProto(calibration));
+  message.set_calibration(current ? CalibrationOf(*snapshot) : v1::CALIBRATION_OWN);
   message.set_version(record.version);
   message.set_state(current ? v1::MODEL_STATE_CURRENT : v1::MODEL_STATE_SUPERSEDED);
   SetTimestamp(record.create_time_us, *message.mutable_create_time());

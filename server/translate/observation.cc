@@ -97,7 +97,7 @@ PackedFrames FramesFrom(const v1::ObservedFrames& frames) {
 void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& message) {
   message.set_model_version(step.model_version);
   message.set_model_replaced(step.model_replaced);
-  message.set_calibration(ToProto(step.calibration));
+  message.set_calibration(ToProto(step.calibration, step.unknown_calibration));
   message.set_late_frames(step.late_frames);
   message.set_missing_frames(step.missing_frames);
   if (!step.observed) return;
@@ -106,6 +106,7 @@ void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& messag
   message.set_layer(observed.layer);
   SetState(observed.state, *message.mutable_state());
   SetLabels(observed.labels, top_count, *message.mutable_labels());
+  if (observed.unknown_probability) message.set_unknown_probability(*observed.unknown_probability);
   message.set_familiarity(observed.familiarity);
   SetHorizons(observed.horizons, true, *message.mutable_horizons());
 }

@@ -73,6 +73,7 @@ absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
     to.set_start_seconds(window.start_seconds);
     to.set_end_seconds(window.end_seconds);
     to.set_layer(window.layer);
+    if (window.unknown_probability) to.set_unknown_probability(*window.unknown_probability);
     to.set_familiarity(window.familiarity);
     for (std::size_t i = 0; i < Count(window.clips.size(), top_count); ++i) {
       const core::ModelClip& clip = model.clips()[window.clips[i].clip];

@@ -75,12 +75,30 @@ v1::Glitches ToProto(core::GlitchPolicy policy) {
   return v1::GLITCHES_UNSPECIFIED;
 }
 
+v1::Calibration OwnCalibration(core::UnknownCalibration unknown) {
+  switch (unknown) {
+    case core::UnknownCalibration::kFitted:
+      return v1::CALIBRATION_OWN;
+    case core::UnknownCalibration::kNotFitted:
+      return v1::CALIBRATION_OLDER_VERSION;
+    case core::UnknownCalibration::kOneClip:
+      return v1::CALIBRATION_ONE_CLIP;
+    case core::UnknownCalibration::kOneLabel:
+      return v1::CALIBRATION_ONE_LABEL;
+    case core::UnknownCalibration::kOneSubject:
+      return v1::CALIBRATION_ONE_SUBJECT;
+    case core::UnknownCalibration::kTooFewClips:
+      return v1::CALIBRATION_TOO_FEW_CLIPS;
+  }
+  return v1::CALIBRATION_UNSPECIFIED;
+}
+
 }  // namespace
 
-v1::Calibration ToProto(Calibration calibration) {
+v1::Calibration ToProto(Calibration calibration, core::UnknownCalibration unknown) {
   switch (calibration) {
     case Calibration::kOwn:
-      return v1::CALIBRATION_OWN;
+      return OwnCalibration(unknown);
     case Calibration::kPrevious:
       return v1::CALIBRATION_PREVIOUS;
     case Calibration::kTypical:
@@ -164,7 +182,7 @@ void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,
   message.set_node_count(std::accumulate(nodes.begin(), nodes.end(), 0));
   message.set_bottom_node_count(nodes.empty() ? 0 : nodes.back());
   message.set_model_version(record.version);
-  message.set_calibration(ToProto(snapshot->calibration));
+  message.set_calibration(CalibrationOf(*snapshot));
 
   std::map<std::string, v1::LabelSummary> labels;
   for (const core::ModelClip& clip : snapshot->model.clips()) {

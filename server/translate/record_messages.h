@@ -48,7 +48,11 @@ void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live
 void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,
                    v1::DatabaseStatistics& message);
 
-v1::Calibration ToProto(Calibration calibration);
+// `unknown`: of the model (core::RecognitionCalibration).
+v1::Calibration ToProto(Calibration calibration, core::UnknownCalibration unknown);
+inline v1::Calibration CalibrationOf(const Snapshot& snapshot) {
+  return ToProto(snapshot.calibration, snapshot.model.recognition().unknown);
+}
 
 inline v1::Scaling ToProto(core::Scaling scaling) {
   switch (scaling) {

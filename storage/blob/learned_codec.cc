@@ -131,15 +131,70 @@ core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions) {
   return metric;
 }
 
+namespace {
+
+constexpr std::size_t kMinFitBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
+
+void PutUnknown(FieldWriter& writer, const core::UnknownModel& model) {
+  writer.Put(model.intercept);
+  for (const double weight : model.weights) writer.Put(weight);
+  writer.Put(model.typical_mean);
+  writer.Put(model.typical_deviation);
+  writer.PutCount(model.fits.size());
+  for (const core::LabelFit& fit : model.fits) {
+    writer.PutText(fit.label);
+    writer.Put(fit.mean);
+    writer.Put(fit.deviation);
+  }
+}
+
+core::UnknownModel GetUnknown(FieldReader& reader) {
+  core::UnknownModel model;
+  model.intercept = reader.Get<double>();
+  for (double& weight : model.weights) weight = reader.Get<double>();
+  model.typical_mean = reader.Get<double>();
+  model.typical_deviation = reader.Get<double>();
+  bool valid = std::isfinite(model.intercept) && std::isfinite(model.typical_mean) &&
+               std::isfinite(model.typical_deviation) && model.typical_deviation > 0;
+  for (const double weight : model.weights) valid = valid && std::isfinite(weight);
+  model.fits.resize(reader.GetCount(kMinFitBytes));
+  for (std::size_t i = 0; i < model.fits.size(); ++i) {
+    core::LabelFit& fit = model.fits[i];
+    fit.label = reader.GetText();
+    fit.mean = reader.Get<double>();
+    fit.deviation = reader.Get<double>();
+    valid = valid && std::isfinite(fit.mean) && std::isfinite(fit.deviation) && fit.deviation > 0 &&
+            (i == 0 || model.fits[i - 1].label < fit.label);
+  }
+  if (!valid) reader.Fail(core::DataLoss("calibration: invalid model of unknown motion"));
+  return model;
+}
+
+}  // namespace
+
 void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& calibration) {
   PutAnswer(writer, calibration.window);
   PutAnswer(writer, calibration.whole);
+  writer.Put(static_cast<std::uint32_t>(calibration.unknown));
+  if (calibration.unknown != core::UnknownCalibration::kFitted) return;
+  PutUnknown(writer, *calibration.window.unknown);
+  PutUnknown(writer, *calibration.whole.unknown);
 }
 
-core::RecognitionCalibration GetRecognition(FieldReader& reader) {
+core::RecognitionCalibration GetRecognition(FieldReader& reader, bool has_unknown) {
   core::RecognitionCalibration calibration;
   calibration.window = GetAnswer(reader);
   calibration.whole = GetAnswer(reader);
+  if (!has_unknown) return calibration;
+  const auto unknown = reader.Get<std::uint32_t>();
+  if (unknown > static_cast<std::uint32_t>(core::UnknownCalibration::kTooFewClips)) {
+    reader.Fail(core::DataLoss("calibration: unknown kind {}", unknown));
+    return calibration;
+  }
+  calibration.unknown = static_cast<core::UnknownCalibration>(unknown);
+  if (!reader.ok() || calibration.unknown != core::UnknownCalibration::kFitted) return calibration;
+  calibration.window.unknown = GetUnknown(reader);
+  calibration.whole.unknown = GetUnknown(reader);
   return calibration;
 }
 

@@ -10,9 +10,10 @@ namespace {
 
 using core::Branch;
 
-constexpr std::uint32_t kPartsVersion = 3;
-constexpr std::uint32_t kPlainVersion = 1;  // without subjects, metric, prior, calibration
-constexpr std::uint32_t kPlaneVersion = 3;  // the first with the split planes of the tree
+constexpr std::uint32_t kPartsVersion = 4;
+constexpr std::uint32_t kPlainVersion = 1;    // without subjects, metric, prior, calibration
+constexpr std::uint32_t kPlaneVersion = 3;    // the first with the split planes of the tree
+constexpr std::uint32_t kUnknownVersion = 4;  // the first with the probability of unknown motion
 constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
 constexpr std::size_t kClipBytes = 2 * kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
 
@@ -265,7 +266,7 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
     parts.confidence = GetConfidence(reader);
     GetSubjects(reader, parts.clips);
     parts.metric = GetMetric(reader, dimensions);
-    parts.recognition = GetRecognition(reader);
+    parts.recognition = GetRecognition(reader, version >= kUnknownVersion);
   }
   parts.build_seconds = reader.Get<double>();
   MOTIONDB_RETURN_IF_ERROR(reader.Finish());

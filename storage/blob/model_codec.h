@@ -47,6 +47,6 @@ void PutMetric(FieldWriter& writer, const core::MotionMetric& metric);
 core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions);
 
 void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& calibration);
-core::RecognitionCalibration GetRecognition(FieldReader& reader);
+core::RecognitionCalibration GetRecognition(FieldReader& reader, bool has_unknown);
 
 }  // namespace motiondb::storage

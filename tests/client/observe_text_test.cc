@@ -8,7 +8,7 @@ using namespace client;  // NOLINT: the functions under test
 
 TEST_CASE("ObserveAnswerLine: labels, state, prediction and a new model", "[client][cli]") {
   v1::ObserveResponse answer;
-  CHECK(ObserveAnswerLine(answer, 0.1) == "   0.10 s  no frame with both hips yet");
+  CHECK(ObserveAnswerLine(answer, 0.1, 0.5) == "   0.10 s  no frame with both hips yet");
   answer.mutable_state()->set_node_id(37);
   answer.mutable_state()->set_probability(0.875);
   answer.set_familiarity(0.5);
@@ -17,7 +17,7 @@ TEST_CASE("ObserveAnswerLine: labels, state, prediction and a new model", "[clie
     to.set_label(label);
     to.set_probability(probability);
   }
-  const std::string line = ObserveAnswerLine(answer, 12.5);
+  const std::string line = ObserveAnswerLine(answer, 12.5, 0.5);
   CHECK_THAT(line, Catch::StartsWith("  12.50 s  walk 0.90, jog 0.09"));
   CHECK_THAT(line, Catch::Contains("familiarity 0.50") && Catch::Contains("node   37 0.88") &&
                        !Catch::Contains("kick") && !Catch::Contains("ahead") &&
@@ -27,12 +27,12 @@ TEST_CASE("ObserveAnswerLine: labels, state, prediction and a new model", "[clie
   ahead.set_expected_error_m(0.036);
   answer.set_model_replaced(true);
   answer.set_model_version(2);
-  CHECK_THAT(ObserveAnswerLine(answer, 1),
+  CHECK_THAT(ObserveAnswerLine(answer, 1, 0.5),
              Catch::Contains("0.40 s ahead +-3.6 cm") && Catch::EndsWith("(now model 2)"));
   answer.set_calibration(v1::CALIBRATION_OWN);
-  CHECK_THAT(ObserveAnswerLine(answer, 1), Catch::EndsWith("(now model 2)"));
+  CHECK_THAT(ObserveAnswerLine(answer, 1, 0.5), Catch::EndsWith("(now model 2)"));
   answer.set_calibration(v1::CALIBRATION_PREVIOUS);
-  CHECK_THAT(ObserveAnswerLine(answer, 1),
+  CHECK_THAT(ObserveAnswerLine(answer, 1, 0.5),
              Catch::EndsWith("(now a newer model, not calibrated yet)"));
 }
 

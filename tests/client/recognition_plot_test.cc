@@ -3,339 +3,306 @@
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
 #include "client/cli/picture.h"
-#include "tests/client/fake_server.h"
-#include "tests/client/run_motiondb.h"
+#include "client/cli/recognition_plot_answer.h"
+#include "tests/client/recognition_answers.h"
 #include "tests/client/svg_elements.h"
-#include "tests/client/temporary_folder.h"
-#include "tests/support/real_data.h"
 
 namespace motiondb::tests::recognition_plot_test {
 namespace {
 
 using namespace client;  // NOLINT: the functions under test
 using Catch::Contains;
-using Catch::EndsWith;
-using Catch::StartsWith;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Windows of 0.4 s every 0.1 s. `log_probability(clip, window)` is the score of a clip.
-template <typename LogProbability>
-v1::RecognizeResponse Answer(int layer, int windows, const std::vector<std::string>& clip_labels,
-                             const LogProbability& log_probability) {
+struct WindowAnswer {
+  std::vector<std::pair<std::string, double>> labels;
+  double unknown = -1;  // absent if negative
+  std::string clip = "07_01";
+  double familiarity = 0.5;
+};
+
+// Windows of 0.4 s every 0.1 s.
+v1::RecognizeResponse Response(const std::vector<WindowAnswer>& answers) {
   v1::RecognizeResponse response;
-  for (int w = 0; w < windows; ++w) {
+  for (const WindowAnswer& answer : answers) {
+    const int index = response.windows_size();
     v1::RecognitionWindow& window = *response.add_windows();
-    window.set_start_seconds(0.1 * w);
-    window.set_end_seconds(0.1 * w + 0.4);
-    window.set_layer(layer);
-    double best = -kInfinity;
-    for (int c = 0; c < static_cast<int>(clip_labels.size()); ++c) {
-      v1::ClipProbability& clip = *window.add_clips();
-      clip.set_clip(fmt::format("databases/walks/clips/clip-{:03}", c));
-      clip.set_label(clip_labels[c]);
-      clip.set_log_probability(log_probability(c, w));
-      if (window.labels_size() == 0) window.add_labels()->set_label(clip_labels[c]);
-      if (!(clip.log_probability() > best)) continue;
-      best = clip.log_probability();
-      window.mutable_labels(0)->set_label(clip_labels[c]);
+    window.set_start_seconds(0.1 * index);
+    window.set_end_seconds(0.1 * index + 0.4);
+    for (const auto& [name, probability] : answer.labels) {
+      v1::LabelProbability& label = *window.add_labels();
+      label.set_label(name);
+      label.set_probability(probability);
     }
+    if (!(answer.unknown < 0)) window.set_unknown_probability(answer.unknown);
+    if (!answer.clip.empty()) {
+      v1::ClipProbability& clip = *window.add_clips();
+      clip.set_clip("databases/walks/clips/" + answer.clip);
+      clip.set_label(answer.labels.empty() ? "" : answer.labels.front().first);
+      clip.set_log_probability(-5);
+    }
+    window.set_familiarity(answer.familiarity);
   }
   return response;
 }
 
-v1::RecognizeRequest Request() {
-  v1::RecognizeRequest request;
-  request.set_database("databases/walks");
-  request.mutable_observation()->mutable_file()->set_file_name("07_06.amc");
-  return request;
+// Four windows of walk, then four of unknown motion, then two of jog.
+v1::RecognizeResponse WalkUnknownJog() {
+  std::vector<WindowAnswer> answers;
+  for (int i = 0; i < 4; ++i) answers.push_back({{{"walk", 0.7}, {"jog", 0.2}}, 0.1, "07_01", 0.9});
+  for (int i = 0; i < 4; ++i) answers.push_back({{{"jog", 0.3}, {"walk", 0.1}}, 0.6, "09_03", 0});
+  for (int i = 0; i < 2; ++i) answers.push_back({{{"jog", 0.5}, {"walk", 0}}, 0.5, "09_03", 0.4});
+  return Response(answers);
 }
 
-// Clips 0 and 1 are walk, clip 2 is jog. The observation is jog from window 5.
-v1::RecognizeResponse WalkThenJog(int layer, int windows = 10) {
-  return Answer(layer, windows, {"walk", "walk", "jog"}, [](int clip, int window) {
-    return (clip == 2) == (window >= 5) ? -3.0 - clip : -1000.0 * (clip + 1);
-  });
+std::string Plot(const v1::RecognizeResponse& response, double unknown_threshold = 0.5) {
+  return RecognitionPlotSvg(RecognizeWalks(), response, unknown_threshold);
 }
 
-int Count(const std::string& text, const std::string& part) {
-  int count = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
+// Rectangle of a text, if characters are as wide as in common fonts.
+struct TextBox {
+  std::string text;
+  double left = 0, right = 0, bottom = 0;
+};
 
-TEST_CASE("RecognitionPlot: a line for each clip and layer, a strip of winners", "[client][cli]") {
-  const std::vector<v1::RecognizeResponse> layers = {WalkThenJog(12), WalkThenJog(6),
-                                                     WalkThenJog(3)};
-  const std::string svg = RecognitionPlotSvg(Request(), layers);
-  auto elements = ElementsInGroups(svg);
-  CHECK(elements["path.clip best c0"] == 3);  // jog
-  CHECK(elements["path.clip best c1"] == 3);  // walk
-  CHECK(elements["path.clip c1"] == 3);
-  CHECK(elements["rect.winner a0"] == 3);
-  CHECK(elements["rect.winner a1"] == 3);
-  CHECK(elements["text.winner-name t1"] == 3);
-  CHECK_THAT(svg, Contains("Generation probability: 07_06.amc in walks") &&
-                      Contains(">10 windows of 0.4 s, every 0.1 s; 3 stored clips of 2 labels; ") &&
-                      Contains("Layer 12, the bottom of the tree<") && Contains(">Layer 6<") &&
-                      Contains(">Layer 3<"));
-  CHECK_THAT(svg, Contains(">walk: 2 clips<") && Contains(">jog: 1 clip<"));
-  CHECK_THAT(svg, Contains("<title>walk, 0.15-0.65 s</title>") &&
-                      Contains("<title>jog, 0.65-1.15 s</title>") &&
-                      Contains("<title>clip-002 (jog)</title>"));
-  CHECK_THAT(svg, Contains(">-1000<") && Contains("middle of the window (s)"));
-  CHECK_THAT(svg, !Contains("nan") && !Contains("inf") && !Contains("-0.00"));
-  CHECK(svg == RecognitionPlotSvg(Request(), layers));
-
-  v1::RecognizeRequest one_layer = Request();
-  one_layer.set_layer(6);
-  one_layer.set_generation(v1::GENERATION_TOP_PATHS);
-  one_layer.set_path_count(5);
-  CHECK_THAT(RecognitionPlotSvg(one_layer, {WalkThenJog(6)}),
-             !Contains("bottom of the tree") && Contains("best 5 paths"));
-}
-
-TEST_CASE("RecognitionPlot: chosen layers", "[client][cli]") {
-  CHECK(PlottedLayers(16) == std::vector<int>{8, 4});
-  CHECK(PlottedLayers(15) == std::vector<int>{8, 3});
-  CHECK(PlottedLayers(5) == std::vector<int>{3, 2});
-  CHECK(PlottedLayers(4) == std::vector<int>{2});
-  CHECK(PlottedLayers(3) == std::vector<int>{2});
-  CHECK(PlottedLayers(2).empty());
-  CHECK(PlottedLayers(1).empty());
-  CHECK(PlottedLayers(0).empty());
-}
-
-TEST_CASE("RecognitionPlot: one window is a dash as wide as the window", "[client][cli]") {
-  const std::string svg = RecognitionPlotSvg(Request(), {WalkThenJog(12, 1)});
-  auto elements = ElementsInGroups(svg);
-  CHECK(elements["path.clip c1"] + elements["path.clip best c1"] == 2);
-  CHECK(elements["rect.winner a1"] == 1);
-  CHECK_THAT(svg,
-             Contains("one window of 0.4 s") && Contains("d=\"M80.00 ") && Contains("L934.00 "));
-}
-
-TEST_CASE("RecognitionPlot: no windows, no answer, no clips", "[client][cli]") {
-  for (const auto& layers : {std::vector<v1::RecognizeResponse>{},
-                             std::vector<v1::RecognizeResponse>{v1::RecognizeResponse()}}) {
-    const std::string svg = RecognitionPlotSvg(Request(), layers);
-    CHECK(ElementsInGroups(svg).empty());
-    CHECK(Count(svg, ">no windows<") == 1);
+void AddTexts(const tinyxml2::XMLElement* element, std::vector<TextBox>& boxes) {
+  for (; element != nullptr; element = element->NextSiblingElement()) {
+    if (std::string(element->Name()) == "text" && !element->Attribute("transform")) {
+      constexpr double kCharacterWidth = 7;
+      const std::string text = element->GetText() == nullptr ? "" : element->GetText();
+      const double width = kCharacterWidth * static_cast<double>(text.size());
+      const char* anchor = element->Attribute("text-anchor");
+      const double before = anchor == nullptr ? 0 : std::string(anchor) == "end" ? 1 : 0.5;
+      const double left = element->DoubleAttribute("x") - before * width;
+      boxes.push_back({text, left, left + width, element->DoubleAttribute("y")});
+    }
+    AddTexts(element->FirstChildElement(), boxes);
   }
-  const std::string svg =
-      RecognitionPlotSvg(Request(), {Answer(3, 4, {}, [](int, int) { return 0.0; })});
-  CHECK(ElementsInGroups(svg).empty());
-  CHECK_THAT(svg, Contains(">no clips<"));
 }
 
-TEST_CASE("RecognitionPlot: values that are not finite are omitted and counted", "[client][cli]") {
-  // Clip 0 has a gap, clip 1 has only window 4, clip 2 has no value.
-  const auto layer = Answer(9, 8, {"walk", "walk", "jog"}, [](int clip, int window) {
-    if (clip == 0) return window == 2 ? -kInfinity : window == 3 ? std::nan("") : -5.0 - window;
-    return clip == 1 && window == 4 ? -70.0 : clip == 1 ? kInfinity : -kInfinity;
-  });
-  const std::string svg = RecognitionPlotSvg(Request(), {layer});
+// Returns the texts that overlap another one.
+std::vector<std::string> OverlappingTexts(const std::string& svg) {
+  constexpr double kHeight = 11;
+  tinyxml2::XMLDocument document;
+  REQUIRE(document.Parse(svg.c_str()) == tinyxml2::XML_SUCCESS);
+  std::vector<TextBox> boxes;
+  AddTexts(document.RootElement(), boxes);
+  std::vector<std::string> overlapping;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (boxes[i].left < boxes[j].right && boxes[j].left < boxes[i].right &&
+          std::abs(boxes[i].bottom - boxes[j].bottom) < kHeight) {
+        overlapping.push_back(boxes[j].text + " | " + boxes[i].text);
+      }
+    }
+  }
+  return overlapping;
+}
+
+TEST_CASE("RecognitionPlot: the answer of each window, its clip and its familiarity",
+          "[client][cli]") {
+  const std::string svg = Plot(WalkUnknownJog());
   auto elements = ElementsInGroups(svg);
-  CHECK(elements["path.clip best c1"] == 1);
-  CHECK(elements["path.clip c1"] == 1);
-  CHECK(elements.count("path.clip c0") == 0);
-  CHECK_THAT(svg, Contains("17 of 24 values are -Infinity: no path"));
-  CHECK_THAT(svg, !Contains("nan") && !Contains("\"inf") && !Contains(" inf"));
-  const LayerProfile profile = LayerProfileFrom(layer);
-  CHECK(!profile.winners[2]);
-  CHECK(profile.winners[4] == "walk");
+  CHECK(elements["path.label a0"] == 1);  // jog
+  CHECK(elements["path.label a1"] == 1);  // walk
+  CHECK(elements["path.unknown"] == 1);
+  CHECK(elements["rect.answer a1"] == 1);
+  CHECK(elements["rect.answer unknown"] == 1);
+  CHECK(elements["rect.answer a0"] == 1);
+  CHECK(elements["text.answer-name unknown-text"] == 1);
+  CHECK(elements["rect.clip a1"] == 1);
+  CHECK(elements["rect.clip a0"] == 1);
+  CHECK(elements["text.clip-name"] == 2);
+  CHECK(elements["path.familiarity"] == 1);
+  CHECK(elements["rect.hover"] == 10);
+  CHECK_THAT(svg, Contains("Recognition: 07_06.amc in walks") &&
+                      Contains(">10 windows of 0.4 s, every 0.1 s<") && Contains("above 0.5:"));
+  CHECK_THAT(svg, Contains(">walk: 4 windows<") && Contains(">jog: 2 windows<") &&
+                      Contains(">unknown: 4 windows<") && Contains(">07_01<") &&
+                      Contains("middle of the window (s)"));
+  CHECK_THAT(svg, Contains("<title>0.40-0.80 s: jog 0.30, walk 0.10, unknown 0.60; familiarity "
+                           "0.00; best clip 09_03</title>"));
+  CHECK(Count(svg, "class=\"threshold\"") == 1);
+  CHECK(Count(svg, "id=\"hatching\"") == 1);
+  CHECK_THAT(svg, !Contains("nan") && !Contains("inf") && !Contains("-0.00"));
+  CHECK(OverlappingTexts(svg).empty());
+  CHECK(svg == Plot(WalkUnknownJog()));
+}
 
-  const std::string nothing = RecognitionPlotSvg(
-      Request(), {Answer(9, 8, {"walk", "jog"}, [](int, int) { return -kInfinity; })});
+TEST_CASE("RecognitionPlot: the areas of a window fill its height", "[client][cli]") {
+  const std::string svg = Plot(Response({{{{"walk", 0.75}, {"jog", 0}}, 0.25}}));
+  const double top = HeadingHeight(2) + 24, height = 170;
+  const std::string low = SvgNumber(top + height), middle = SvgNumber(top + 0.25 * height);
+  CHECK_THAT(svg, Contains(fmt::format("class=\"label a1\" d=\"M80.00 {0}V{1}H934.00V{0}H80.00Z\"",
+                                       low, middle)));
+  CHECK_THAT(svg, Contains(fmt::format("class=\"unknown\" d=\"M80.00 {0}V{1}H934.00V{0}H80.00Z\"",
+                                       middle, SvgNumber(top))));
+}
+
+TEST_CASE("RecognitionPlot: the threshold decides what is unknown", "[client][cli]") {
+  auto none = ElementsInGroups(Plot(WalkUnknownJog(), 0.6));
+  CHECK(none.count("rect.answer unknown") == 0);
+  CHECK(none["path.unknown"] == 1);
+  auto all = ElementsInGroups(Plot(WalkUnknownJog(), 0.05));
+  CHECK(all["rect.answer unknown"] == 1);
+  CHECK(all.count("rect.answer a0") + all.count("rect.answer a1") == 0);
+  CHECK(Count(Plot(WalkUnknownJog(), 1), "class=\"threshold\"") == 0);
+  // A label with the same name is another answer.
+  auto same =
+      ElementsInGroups(Plot(Response({{{{"unknown", 0.2}}, 0.8}, {{{"unknown", 0.9}}, 0.1}})));
+  CHECK(same["rect.answer unknown"] == 1);
+  CHECK(same["rect.answer a0"] == 1);
+}
+
+TEST_CASE("RecognitionPlot: no probability of unknown motion", "[client][cli]") {
+  v1::RecognizeResponse response = Response({{{{"walk", 1}}}, {{{"walk", 0.5}, {"jog", 0.5}}}});
+  const std::string svg = Plot(response);
+  auto elements = ElementsInGroups(svg);
+  CHECK(elements["rect.answer a1"] == 1);
+  CHECK_THAT(svg, Contains(">no probability of unknown motion<") && !Contains("\"threshold\"") &&
+                      !Contains(">unknown"));
+  response.set_calibration(v1::CALIBRATION_ONE_SUBJECT);
+  CHECK_THAT(Plot(response), Contains("fewer than two subjects"));
+  v1::RecognizeRequest paper = RecognizeWalks();
+  paper.set_method(v1::METHOD_PAPER);
+  CHECK_THAT(RecognitionPlotSvg(paper, response, 0.5),
+             Contains("only the tree and its graphs") && !Contains("subjects"));
+}
+
+TEST_CASE("RecognitionPlot: no windows, no labels, no clips", "[client][cli]") {
+  const std::string nothing = Plot(v1::RecognizeResponse());
   CHECK(ElementsInGroups(nothing).empty());
-  CHECK_THAT(nothing, Contains(">no clip explains any window<") &&
-                          Contains("16 of 16 values are -Infinity"));
+  CHECK(Count(nothing, ">no windows<") == 2);  // heading and frame
+  const std::string svg = Plot(Response({{{}, -1, "", 0}, {{}, -1, "", 0}}));
+  auto elements = ElementsInGroups(svg);
+  CHECK(elements.count("path.familiarity") == 1);
+  CHECK(elements["rect.hover"] == 2);
+  CHECK(elements.size() == 2);
+  CHECK_THAT(svg, Contains(">no labels<"));
 }
 
-TEST_CASE("RecognitionPlot: values below the axis are clipped and counted", "[client][cli]") {
-  const std::string svg =
-      RecognitionPlotSvg(Request(), {Answer(9, 4, {"walk", "jog"}, [](int clip, int window) {
-                           return clip == 0 ? -2.0 : window == 1 ? -1e300 : -2e6;
-                         })});
-  ElementsInGroups(svg);
-  CHECK_THAT(svg, Contains("4 of 8 lie below<") && Contains(">-1e6<"));
-  CHECK(svg.size() < 20000);
-}
-
-TEST_CASE("RecognitionPlot: windows with invalid times are omitted", "[client][cli]") {
-  v1::RecognizeResponse layer = WalkThenJog(9);
-  layer.mutable_windows(1)->set_start_seconds(std::nan(""));
-  layer.mutable_windows(2)->set_end_seconds(kInfinity);
-  layer.mutable_windows(3)->set_end_seconds(-1);
-  layer.mutable_windows(4)->set_end_seconds(1e300);
-  CHECK(LayerProfileFrom(layer).windows.size() == 6);
-  ElementsInGroups(RecognitionPlotSvg(Request(), {layer}));
+TEST_CASE("RecognitionPlot: values that are not finite are omitted", "[client][cli]") {
+  v1::RecognizeResponse response =
+      Response({{{{"walk", kNan}, {"jog", kInfinity}}, kNan, "07_01", kNan},
+                {{{"walk", 0.9}, {"jog", -kInfinity}}, kInfinity, "07_01", 0.5},
+                {{{"walk", 40}, {"jog", 1e300}}, 1e300, "07_01", 1e300},
+                {{{"walk", -3}, {"jog", 0.5}}, 0.5, "07_01", -kInfinity}});
+  response.mutable_windows(1)->mutable_clips(0)->set_log_probability(-kInfinity);
+  const std::string svg = Plot(response);
+  auto elements = ElementsInGroups(svg);
+  CHECK(elements["rect.clip a1"] == 2);
+  CHECK(elements["path.familiarity"] == 1);
+  CHECK(elements["rect.answer unknown"] == 1);  // infinite and 1e300 are above the threshold
+  CHECK_THAT(svg, !Contains("=\"nan") && !Contains("=\"inf") && !Contains(" nan\"") &&
+                      !Contains("Vnan") && !Contains("Vinf"));
+  const RecognitionAnswer answer = RecognitionAnswerFrom(response, 0.5);
+  for (const AnswerColumn& column : answer.columns) {
+    double sum = column.unknown;
+    for (const double probability : column.probabilities) sum += probability;
+    CHECK(sum >= 0);
+    CHECK(sum <= 1 + 1e-9);
+  }
+  response.mutable_windows(0)->set_start_seconds(kNan);
+  response.mutable_windows(1)->set_end_seconds(1e300);
+  CHECK(RecognitionAnswerFrom(response, 0.5).columns.size() == 2);
 }
 
 TEST_CASE("RecognitionPlot: names are escaped and shortened", "[client][cli]") {
   const std::string label = "<kick> & \"punch\"";
-  v1::RecognizeRequest request = Request();
+  v1::RecognizeRequest request = RecognizeWalks();
   request.mutable_observation()->mutable_file()->set_file_name(std::string(300, 'f') + "<&>.bvh");
-  const std::string svg = RecognitionPlotSvg(
-      request, {Answer(9, 20, {label, std::string(500, 'x'), ""},
-                       [](int clip, int window) { return -1.0 - (clip + window) % 3; })});
+  std::vector<WindowAnswer> answers;
+  for (const std::string& name : {label, std::string(500, 'x'), std::string()}) {
+    for (int i = 0; i < 4; ++i) answers.push_back({{{name, 0.9}}, 0.1, "<clip>" + name});
+  }
+  const std::string svg = RecognitionPlotSvg(request, Response(answers), 0.5);
   ElementsInGroups(svg);
-  CHECK_THAT(svg, Contains("&lt;kick&gt; &amp; &quot;punch&quot;: 1 clip<") &&
-                      Contains("(no label): 1 clip<") && Contains("xxx...: 1 clip<") &&
-                      Contains("fff... in walks<"));
+  CHECK_THAT(svg, Contains("&lt;kick&gt; &amp; &quot;punch&quot;: 4 windows<") &&
+                      Contains("(no label): 4 windows<") && Contains("xxx...: 4 windows<") &&
+                      Contains("&lt;clip&gt;") && Contains("fff... in walks<"));
+  CHECK(OverlappingTexts(svg).empty());
 }
 
-TEST_CASE("RecognitionPlot: hundreds of labels share colours, and the legend is limited",
-          "[client][cli]") {
-  std::vector<std::string> labels;
-  for (int i = 0; i < 300; ++i) labels.push_back(fmt::format("label {:03}", i));
-  const auto layer = Answer(9, 6, labels, [](int clip, int window) {
-    return clip == 290 - window % 2 ? -1.0 : -50.0 - clip;
-  });
-  const std::string svg = RecognitionPlotSvg(Request(), {layer});
-  auto elements = ElementsInGroups(svg);
-  int lines = 0;
-  for (const auto& [element, count] : elements) lines += element.starts_with("path.clip") * count;
-  CHECK(lines == 300);
-  CHECK(elements["path.clip best c0"] == 1);
-  CHECK(elements["path.clip best c1"] == 1);
-  CHECK(elements["path.clip c3"] == 13);  // of 38; the rest is dashed
-  CHECK(elements["path.clip c3 d1"] == 13);
-  CHECK(elements["path.clip c3 d2"] == 12);
-  CHECK(Count(svg, "class=\"sample ") == 24);
-  CHECK_THAT(svg, Contains(">and 276 more<"));
-  // Winning labels come first, so that their colours differ.
-  const auto ranked = PlotLabels({LayerProfileFrom(layer)});
-  CHECK(ranked[0].name == "label 289");
-  CHECK(ranked[1].name == "label 290");
-  CHECK(ranked[2].name == "label 000");
-}
-
-TEST_CASE("RecognitionPlot: the size for a long motion is limited by the pixels", "[client][cli]") {
-  const auto layer = Answer(9, 20000, {"walk"}, [](int, int window) {
-    return window == 7000 ? -900.0 : -5.0 - window % 7;
-  });
-  const std::string svg = RecognitionPlotSvg(Request(), {layer});
-  auto elements = ElementsInGroups(svg);
-  CHECK(elements["path.clip best c0"] == 1);
-  CHECK(elements["rect.winner a0"] == 1);
-  CHECK(svg.size() < 60000);
-  CHECK(svg == RecognitionPlotSvg(Request(), {layer}));
-}
-
-TEST_CASE("RecognitionPlot: a winner is named if its name fits", "[client][cli]") {
-  const auto layer = Answer(9, 400, {"walk", "jog"}, [](int clip, int window) {
-    return clip == 1 && (window % 2 == 0 || window < 100) ? -1.0 : -2.0 - clip;
-  });
-  auto elements = ElementsInGroups(RecognitionPlotSvg(Request(), {layer}));
-  CHECK(elements["rect.winner a0"] == 150);
-  CHECK(elements["rect.winner a1"] == 150);
-  CHECK(elements["text.winner-name t0"] == 1);
-  CHECK(elements.count("text.winner-name t1") == 0);
-}
-
-TEST_CASE("LogProbabilityAxis: positions are monotonic for all values", "[client][cli]") {
-  LogProbabilityAxis axis;
-  CHECK(axis.Ticks(0.1) == std::vector<double>{0, -1, -10});
-  for (const double value : {-3.0, -47000.0, -kInfinity, std::nan("")}) axis.Add(value);
-  CHECK(axis.Ticks(0.1) == std::vector<double>{0, -10, -100, -1000, -10000});
-  double above = 0;
-  for (const double value : {0.0, -0.5, -3.0, -10.0, -11.0, -1000.0, -47000.0}) {
-    CHECK(axis.Fraction(value) > above);
-    above = axis.Fraction(value);
+TEST_CASE("RecognitionPlot: 200 clips and 30 labels", "[client][cli]") {
+  std::vector<WindowAnswer> answers;
+  for (int w = 0; w < 200; ++w) {
+    WindowAnswer answer;
+    for (int i = 0; i < 30; ++i) {
+      const int label = (w / 10 + i) % 30;  // 20 labels win
+      answer.labels.emplace_back(fmt::format("rather long label {:02}", label), i == 0 ? 0.6
+                                                                                : i == 29
+                                                                                    ? 0.04
+                                                                                    : 0.3 / 28);
+    }
+    answer.unknown = 0.06;
+    answer.clip = fmt::format("HDM_bd_squat1Reps_{:03}_120", w);
+    answers.push_back(answer);
   }
-  CHECK(above < 1);
-  CHECK(!axis.IsBelow(-47000));
-  axis.Add(-1e300);
-  axis.Add(120);
-  CHECK(axis.IsBelow(-1e300));
-  CHECK(axis.Fraction(120) > 0);
-  CHECK(axis.Fraction(-1e6) < 1);
-  CHECK(axis.Ticks(0.05).front() == 100);
-  CHECK(LogProbabilityAxis::TickText(0) == "0");
-  CHECK(LogProbabilityAxis::TickText(-10000) == "-10000");
-  CHECK(LogProbabilityAxis::TickText(-1e5) == "-1e5");
-}
-
-TEST_CASE("motiondb recognize --plot: one query for the answer, three for the layers",
-          "[client][cli]") {
-  FakeServer server;
-  server.Answer("Recognize", WalkThenJog(16));
-  const TemporaryFolder folder;
-  const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
-  const std::string plot = (folder / "a.svg").string();
-  const auto result = RunMotiondb(
-      server.address(), {"recognize", "walks", file, "--top", "1", "--hop", "0.2", "--plot", plot});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
-  CHECK_THAT(result.out, StartsWith("0.00-0.40 s  walk") && EndsWith("wrote " + plot + "\n"));
-  CHECK_THAT(ReadFile(plot), StartsWith("<?xml") && EndsWith("</svg>\n"));
-  const auto requests = server.Requests<v1::RecognizeRequest>("Recognize");
-  REQUIRE(requests.size() == 4);
-  CHECK(requests[0].method() == v1::METHOD_BEST);
-  CHECK(requests[0].top_count() == 1);
-  const int layers[] = {0, 0, 8, 4};
-  for (int i = 0; i < 4; ++i) {
-    CHECK(requests[i].layer() == layers[i]);
-    CHECK(requests[i].hop_seconds() == 0.2);
-    CHECK(requests[i].observation().file().data() == "HIERARCHY");
-    if (i == 0) continue;
-    CHECK(requests[i].method() == v1::METHOD_PAPER);
-    CHECK(requests[i].top_count() == 0);
+  const std::string svg = Plot(Response(answers));
+  auto elements = ElementsInGroups(svg);
+  int labels = 0, answer_parts = 0, clip_parts = 0;
+  for (const auto& [element, count] : elements) {
+    labels += element.starts_with("path.label ") * count;
+    answer_parts += element.starts_with("rect.answer ") * count;
+    clip_parts += element.starts_with("rect.clip ") * count;
   }
-
-  const auto one = RunMotiondb(server.address(), {"recognize", "walks", file, "--layer", "6",
-                                                  "--method", "paper", "--json", "--plot", plot});
-  CHECK(one.exit_code == 0);
-  CHECK(Count(one.out, "\n") == 1);
-  const auto all = server.Requests<v1::RecognizeRequest>("Recognize");
-  REQUIRE(all.size() == 6);
-  CHECK(all[4].method() == v1::METHOD_PAPER);
-  CHECK(all[5].layer() == 6);
+  CHECK(labels == 20);
+  CHECK(elements["path.others"] == 1);
+  CHECK(answer_parts == 20);
+  CHECK(clip_parts == 200);
+  CHECK(elements.count("text.clip-name") == 0);
+  CHECK_THAT(svg, Contains(">10 other labels<") && Contains(">rather long label 07: 10 windows<"));
+  CHECK(OverlappingTexts(svg).empty());
 }
 
-TEST_CASE("motiondb recognize --plot: failures leave no file", "[client][cli]") {
-  FakeServer server;
-  server.Answer("Recognize", WalkThenJog(16));
-  server.Answer("Recognize", WalkThenJog(16));
-  server.Fail("Recognize", 9, "the model is gone");
-  const TemporaryFolder folder;
-  const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
-  const auto wrong =
-      RunMotiondb(server.address(), {"recognize", "walks", file, "--plot", "picture.png"});
-  CHECK(wrong.exit_code == 1);
-  CHECK(wrong.out == "");
-  CHECK_THAT(wrong.err, Contains("--plot picture.png") && Contains("FILE.svg"));
-  CHECK(server.Requests<v1::RecognizeRequest>("Recognize").empty());
-  const auto gone = RunMotiondb(
-      server.address(), {"recognize", "walks", file, "--plot", (folder / "a.svg").string()});
-  CHECK(gone.exit_code == 1);
-  CHECK_THAT(gone.out, StartsWith("0.00-0.40 s  walk") && !Contains("wrote"));
-  CHECK_THAT(gone.err, Contains("the model is gone"));
-  const auto files = std::distance(std::filesystem::directory_iterator(folder.path()),
-                                   std::filesystem::directory_iterator());
-  CHECK(files == 1);
-  CHECK(RunMotiondb(server.address(), {"recognize", "walks", file, "--method", "luck"}).exit_code ==
-        2);
+TEST_CASE("RecognitionPlot: clips whose names do not fit have numbers", "[client][cli]") {
+  std::vector<WindowAnswer> answers;
+  for (int w = 0; w < 60; ++w) {
+    const int clip = w < 20 ? 0 : w - 19;  // wide, then narrow parts
+    answers.push_back({{{"squat", 1}}, -1, fmt::format("HDM_bd_squat1Reps_{:03}_120", clip), 0.5});
+  }
+  const std::string svg = Plot(Response(answers));
+  auto elements = ElementsInGroups(svg);
+  CHECK(elements["rect.clip a0"] == 41);
+  CHECK(elements["text.clip-name"] == 1);  // 14 pixels are too narrow for a number
+  CHECK_THAT(svg, !Contains(">#"));
+
+  answers.resize(22);
+  const std::string numbered = Plot(Response(answers));
+  CHECK(ElementsInGroups(numbered)["text.clip-name"] == 3);
+  CHECK_THAT(numbered, Contains(">HDM_bd_squat1Reps_000_120<") && Contains(">#2<") &&
+                           Contains(">#3<") && !Contains(">#1<") &&
+                           Contains(">HDM_bd_squat1Reps_001_120: 1 window<"));
+  CHECK(OverlappingTexts(numbered).empty());
 }
 
-TEST_CASE("motiondb predict --method: becomes the request", "[client][cli]") {
-  FakeServer server;
-  server.Answer("Predict", v1::PredictResponse());
-  const TemporaryFolder folder;
-  const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
-  CHECK(RunMotiondb(server.address(), {"predict", "walks", file, "--json"}).exit_code == 0);
-  CHECK(RunMotiondb(server.address(), {"predict", "walks", file, "--json", "--method", "paper"})
-            .exit_code == 0);
-  const auto requests = server.Requests<v1::PredictRequest>("Predict");
-  REQUIRE(requests.size() == 2);
-  CHECK(requests[0].method() == v1::METHOD_BEST);
-  CHECK(requests[1].method() == v1::METHOD_PAPER);
+TEST_CASE("RecognitionPlot: the size for a long motion is limited", "[client][cli]") {
+  std::vector<WindowAnswer> answers;
+  for (int w = 0; w < 20000; ++w) {
+    answers.push_back({{{w % 3 == 0 ? "walk" : "jog", 0.8}, {w % 3 == 0 ? "jog" : "walk", 0.1}},
+                       w % 7 < 5 ? 0.1 : 0.9,
+                       fmt::format("clip-{}", w % 40),
+                       0.01 * (w % 100)});
+  }
+  const std::string svg = Plot(Response(answers));
+  auto elements = ElementsInGroups(svg);
+  CHECK(elements["rect.hover"] == 426);
+  CHECK_THAT(
+      svg, Contains("each column is the mean of 47 windows") && Contains("first of 47 windows: "));
+  CHECK(svg.size() < 300000);
+  const RecognitionAnswer answer = RecognitionAnswerFrom(Response(answers), 0.5);
+  CHECK(answer.unknown_windows + answer.labels[0].windows_won + answer.labels[1].windows_won ==
+        20000);
+  CHECK(answer.columns[0].answer == 0);  // jog, in most windows
+  CHECK(answer.columns[0].cell.end == answer.columns[1].cell.start);
 }
 
 }  // namespace

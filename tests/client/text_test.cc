@@ -67,7 +67,7 @@ TEST_CASE("RecognitionText: a line for each window, then the share of each label
     second->set_probability(i == 2 ? 1e-9 : 0.02);
     window->add_clips()->set_clip("databases/walks/clips/07_01");
   }
-  CHECK(RecognitionText(response) ==
+  CHECK(RecognitionText(response, 0.5) ==
         "0.00-0.40 s  walk 0.98  jog 0.02     familiarity 0.71  best clip 07_01\n"
         "0.10-0.50 s  jog 0.98   walk 0.02    familiarity 0.71  best clip 07_01\n"
         "0.20-0.60 s  walk 0.98               familiarity 0.71  best clip 07_01\n"
@@ -76,9 +76,9 @@ TEST_CASE("RecognitionText: a line for each window, then the share of each label
 
 TEST_CASE("RecognitionText: reports that nothing was recognized", "[client][cli]") {
   v1::RecognizeResponse response;
-  CHECK(RecognitionText(response) == "nothing recognized\n");
+  CHECK(RecognitionText(response, 0.5) == "nothing recognized\n");
   response.add_windows();
-  CHECK_THAT(RecognitionText(response), Catch::Contains("no clip explains it"));
+  CHECK_THAT(RecognitionText(response, 0.5), Catch::Contains("no clip explains it"));
 }
 
 TEST_CASE("EstimationText: paths are runs of node x frames", "[client][cli]") {
@@ -175,9 +175,9 @@ TEST_CASE("DescriptionText, RecognitionText, PredictionText: kind of calibration
       "is "
       "stored then\n";
   v1::RecognizeResponse recognition;
-  CHECK_THAT(RecognitionText(recognition), !Catch::Contains("calibration"));
+  CHECK_THAT(RecognitionText(recognition, 0.5), !Catch::Contains("calibration"));
   recognition.set_calibration(v1::CALIBRATION_PREVIOUS);
-  CHECK_THAT(RecognitionText(recognition), Catch::EndsWith(previous));
+  CHECK_THAT(RecognitionText(recognition, 0.5), Catch::EndsWith(previous));
   v1::PredictResponse prediction;
   prediction.set_calibration(v1::CALIBRATION_PREVIOUS);
   CHECK_THAT(PredictionText(prediction, {}), Catch::EndsWith(previous));

@@ -146,6 +146,10 @@ class Observability(unittest.TestCase):
         self.assertEqual(value(after, "motiondb_model_version", database="walks"), 1)
         self.assertEqual(value(after, "motiondb_rebuilds_total", database="walks",
                                outcome="succeeded"), 1)
+        windows = "motiondb_recognized_windows_total"
+        self.assertGreater(value(after, windows, database="walks", answer="uncalibrated"), 5)
+        self.assertEqual(value(after, windows, database="walks", answer="known"), 0)
+        self.assertEqual(value(after, windows, database="walks", answer="unknown"), 0)
         self.assertGreater(value(after, "motiondb_store_bytes"), 0)
         self.assertGreater(value(after, "motiondb_log_bytes"), 0)
         disk = os.statvfs(self.path("motion.db"))

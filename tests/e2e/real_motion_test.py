@@ -4,21 +4,17 @@ NumPy.
 
     real_motion_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 
-Without the data folder it uses only the motion of Debian's assimp-testmodels.
+Uses the motion of Debian's assimp-testmodels.
 """
 
-import csv
 import json
 import os
 import signal
 import time
-import xml.etree.ElementTree
 
 import numpy
 
-from programs import DATA, MODELS, Server, WithServer, main, needs_data
-
-SVG = "{http://www.w3.org/2000/svg}"
+from programs import MODELS, Server, WithServer, main
 
 
 class AnyMachine(WithServer):
@@ -197,65 +193,6 @@ RFoot = RightFoot offset RightFoot 0 0 0.1
             self.assertEqual(dumped, {(int(f), int(t)): c for (f, t), c in expected.items()})
         with open(self.path("dump/model.json"), encoding="utf-8") as file:
             json.load(file)
-
-
-class PaperDatabases(WithServer):
-    """Uses the recorded motion beside the project."""
-
-    def setUp(self):
-        needs_data()
-        super().setUp()  # last: tearDown does not run for a skipped test
-
-    def test_database_1_windows(self):
-        self.server.ask_one("create", "one")
-        self.server.ask("ingest", "one", "--list", f"{DATA}/sets/database1.train.tsv")
-        with open(f"{DATA}/sets/database1.test.tsv", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file, delimiter="\t"))
-        right = total = 0
-        for row in rows:
-            path = os.path.join(DATA, "sets", row["path"])
-            for window in self.server.ask_one("recognize", "one", path, "--top", "1")["windows"]:
-                right += window["labels"][0]["label"] == row["label"]
-                total += 1
-        print(f"database 1: {right} of {total} windows recognized correctly ({100 * right / total:.1f} %)")
-        self.assertGreaterEqual(right, 0.93 * total)
-
-    def test_database_1_plot(self):
-        self.server.ask_one("create", "one")
-        self.server.ask("ingest", "one", "--list", f"{DATA}/sets/database1.train.tsv")
-        walk = f"{DATA}/cmu/07/07_06.amc"
-        picture = self.path("walk.svg")
-        answer = self.server.ask_one("recognize", "one", walk, "--plot", picture)
-        self.assertEqual(answer, self.server.ask_one("recognize", "one", walk))
-        root = xml.etree.ElementTree.parse(picture).getroot()
-        texts = ["".join(text.itertext()) for text in root.iter(f"{SVG}text")]
-        bottom = self.server.ask_one("describe", "one")["layer_count"]
-        for layer in (f"{bottom}, the bottom of the tree", (bottom + 1) // 2, bottom // 4):
-            self.assertIn(f"Layer {layer}", texts)
-        for entry in ("jog: 5 clips", "kick: 4 clips", "walk: 5 clips"):
-            self.assertIn(entry, texts)
-        lines = [path.find(f"{SVG}title").text for path in root.iter(f"{SVG}path")]
-        self.assertEqual(len(lines), 3 * 19, "a line for each clip and layer")
-        self.assertEqual(lines.count("07_01 (walk)"), 3)
-        names = [text for text in root.iter(f"{SVG}text")
-                 if text.get("class").startswith("winner-name")]
-        self.assertEqual(names[0].text, "walk")
-
-        self.server.ask_one("recognize", "one", walk, "--layer", "5", "--method", "paper",
-                            "--plot", picture)
-        root = xml.etree.ElementTree.parse(picture).getroot()
-        self.assertEqual(len(list(root.iter(f"{SVG}path"))), 19, "that layer alone")
-
-    def test_database_2_table_1(self):
-        self.server.ask_one("create", "two", "--frame-rate", "120")
-        self.server.ask("ingest", "two", "--list", f"{DATA}/sets/database2.tsv")
-        described = self.server.ask_one("describe", "two")
-        print("Table I, database 2       ours   paper")
-        for name, paper in (("frame_count", 11456), ("layer_count", 16), ("node_count", 1527),
-                            ("bottom_node_count", 205)):
-            print(f"  {name:20} {described[name]:7} {paper:7}")
-        self.assertEqual(described["frame_count"], 11969)
-        self.assertEqual(described["clip_count"], 27)
 
 
 if __name__ == "__main__":

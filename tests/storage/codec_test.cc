@@ -178,12 +178,58 @@ TEST_CASE("ModelCodec: the calibration is decoded; an invalid one is refused", "
   REQUIRE(back.recognition.whole.weight.scale == 2);
   REQUIRE(back.recognition.whole.familiarity == calibration.whole.familiarity);
 
+  REQUIRE(back.recognition.unknown == core::UnknownCalibration::kNotFitted);
+  REQUIRE_FALSE(back.recognition.window.unknown.has_value());
+
   calibration.window.familiarity = {1, 0};
   model.set_recognition(calibration);
   REQUIRE_ERROR(decoded(model).status(), absl::StatusCode::kDataLoss, "ascending");
   calibration.window = {{std::nan(""), 1}, {}};
   model.set_recognition(calibration);
   REQUIRE_ERROR(decoded(model).status(), absl::StatusCode::kDataLoss, "calibration");
+}
+
+TEST_CASE("ModelCodec: the model of unknown motion is decoded; an invalid one is refused",
+          "[storage][codec]") {
+  core::Model model = SampleModel({SampleClip("d", "walk", 1)});
+  core::RecognitionCalibration calibration;
+  calibration.unknown = core::UnknownCalibration::kFitted;
+  calibration.window.unknown = {-1, {1, -2, -3}, -10, 5, {{"jog", -4, 1}, {"walk", -2, 0.5}}};
+  calibration.whole.unknown = {-2, {0.5, 0, 0}, -20, 6, {}};
+  const auto decoded = [&] {
+    model.set_recognition(calibration);
+    const std::string bytes = Encoded(model.parts());
+    auto source = SourceOf(bytes);
+    return storage::DecodeModel(source);
+  };
+  const core::RecognitionCalibration back = Require(decoded()).recognition;
+  REQUIRE(back.unknown == core::UnknownCalibration::kFitted);
+  REQUIRE(back.window.unknown->weights == calibration.window.unknown->weights);
+  REQUIRE(back.window.unknown->fits.size() == 2);
+  REQUIRE(back.window.unknown->fits[1].label == "walk");
+  REQUIRE(back.window.unknown->fits[1].deviation == 0.5);
+  REQUIRE(back.whole.unknown->intercept == -2);
+  REQUIRE(back.whole.unknown->typical_mean == -20);
+  REQUIRE(back.whole.unknown->typical_deviation == 6);
+
+  const auto require_refused = [&] {
+    REQUIRE_ERROR(decoded().status(), absl::StatusCode::kDataLoss, "unknown motion");
+  };
+  calibration.window.unknown->fits[1].label = "jog";  // not ascending
+  require_refused();
+  calibration.window.unknown->fits[1] = {"walk", -2, 0};
+  require_refused();
+  calibration.window.unknown->fits.clear();
+  calibration.whole.unknown->weights[1] = std::nan("");
+  require_refused();
+
+  for (const auto reason :
+       {core::UnknownCalibration::kOneClip, core::UnknownCalibration::kOneLabel,
+        core::UnknownCalibration::kOneSubject, core::UnknownCalibration::kTooFewClips}) {
+    calibration = {};
+    calibration.unknown = reason;
+    REQUIRE(Require(decoded()).recognition.unknown == reason);
+  }
 }
 
 TEST_CASE("ModelCodec: a model of version 1 is read without the parts of later versions",
@@ -199,7 +245,8 @@ TEST_CASE("ModelCodec: a model of version 1 is read without the parts of later v
   // The fields of version 2 now have a known size; they precede the last field.
   std::string bytes = Encoded(plain);
   constexpr std::size_t kAnswerBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
-  constexpr std::size_t kAdded = 4 * sizeof(std::uint32_t) + 2 * kAnswerBytes;
+  // Version 4 added one number here.
+  constexpr std::size_t kAdded = 5 * sizeof(std::uint32_t) + 2 * kAnswerBytes;
   bytes.erase(bytes.size() - sizeof(double) - kAdded, kAdded);
   // The fields of version 3, a threshold count of 0 and a clip count, follow the branches.
   const auto& branches = plain.tree.branches();

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -39,7 +41,9 @@ std::vector<core::BuildInput> AlikeClips(int clips, const core::MarkerSet& set, 
 }
 
 core::Model ModelOf(std::vector<core::BuildInput> inputs, const core::MarkerSet& set) {
-  auto model = core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
+  core::BuildSettings settings;
+  settings.frame_rate_hz = inputs.front().states.frame_rate_hz;
+  auto model = core::BuildModel(settings, set, std::move(inputs), core::RunSerially, {});
   INFO(model.status());
   REQUIRE(model.ok());
   return *std::move(model);
@@ -61,13 +65,16 @@ Reliability Judge(const core::Model& model, const std::vector<core::BuildInput>&
     const auto windows = core::Recognize(model, input.states, options);
     REQUIRE(windows.ok());
     for (const auto& window : *windows) {
+      // All inputs are known: probabilities given that.
+      const double known = 1 - window.unknown_probability.value_or(0);
       for (const auto& label : window.labels) {
-        if (label.label == input.label) loss -= std::log(std::max(label.probability, 1e-300));
+        if (label.label == input.label)
+          loss -= std::log(std::max(label.probability / known, 1e-300));
       }
       const auto& first = window.labels.front();
-      const int bin = std::min(9, static_cast<int>(10 * first.probability));
-      surplus[static_cast<std::size_t>(bin)] +=
-          first.probability - (first.label == input.label ? 1 : 0);
+      const double probability = first.probability / known;
+      const int bin = std::min(9, static_cast<int>(10 * probability));
+      surplus[static_cast<std::size_t>(bin)] += probability - (first.label == input.label ? 1 : 0);
       ++count;
     }
   }
@@ -147,6 +154,98 @@ TEST_CASE("Calibrate: independent of the order of work; no change if cancelled",
     CHECK(model.recognition().Of(whole).weight.power == again.recognition().Of(whole).weight.power);
     CHECK(model.recognition().Of(whole).familiarity == again.recognition().Of(whole).familiarity);
   }
+}
+
+constexpr double kAroundRateHz = 30;  // alignment sees every frame
+
+// Clips of a label are around the label's own place; subjects move the place a little.
+std::vector<core::BuildInput> ClipsAround(const std::vector<int>& labels,
+                                          const std::vector<int>& subjects,
+                                          const core::MarkerSet& set, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  std::vector<core::BuildInput> inputs;
+  for (const int label : labels) {
+    for (const int subject : subjects) {
+      for (int take = 0; take < 2; ++take) {
+        core::FrameMatrix states = WanderingStates(96, set.dimension_count(), 1000U + label);
+        std::mt19937 body(50U + static_cast<unsigned>(subject));
+        for (Eigen::Index d = 0; d < states.cols(); ++d) {
+          states.col(d).array() += 0.3F * normal(body) + 0.1F * normal(random);
+        }
+        core::BuildInput input;
+        input.clip_id = fmt::format("{}-{}-{}", label, subject, take);
+        input.label = fmt::format("label {}", label);
+        input.subject = fmt::format("subject {}", subject);
+        input.states = WanderingClips(1, 96, set, 1, kAroundRateHz).front().states;
+        input.states.states = states;
+        inputs.push_back(std::move(input));
+      }
+    }
+  }
+  return inputs;
+}
+
+TEST_CASE("Calibrate: new people's clips stay known, a label that is not stored is unknown",
+          "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  core::Model model = ModelOf(ClipsAround({0, 1, 2, 3, 4}, {0, 1, 2, 3, 4}, set, 1), set);
+  REQUIRE(core::Calibrate(model, core::RunSerially, {}).ok());
+  REQUIRE(model.recognition().unknown == core::UnknownCalibration::kFitted);
+  for (const bool whole : {false, true}) {
+    core::RecognizeOptions options;
+    options.whole = whole;
+    const auto unknown_share = [&](const std::vector<core::BuildInput>& inputs) {
+      double unknown = 0;
+      double count = 0;
+      for (const core::BuildInput& input : inputs) {
+        const auto windows = core::Recognize(model, input.states, options);
+        REQUIRE(windows.ok());
+        for (const auto& window : *windows) {
+          REQUIRE(window.unknown_probability.has_value());
+          unknown += *window.unknown_probability > 0.5 ? 1 : 0;
+          ++count;
+        }
+      }
+      return unknown / count;
+    };
+    INFO("whole: " << whole);
+    CHECK(unknown_share(ClipsAround({0, 1, 2, 3, 4}, {7, 8, 9}, set, 2)) < 0.2);
+    CHECK(unknown_share(ClipsAround({5, 6, 7}, {7, 8, 9}, set, 2)) > 0.8);
+    // Stored motion is always known and familiar.
+    const auto stored = ClipsAround({0, 1, 2, 3, 4}, {0, 1, 2, 3, 4}, set, 1);
+    CHECK(unknown_share(stored) == 0);
+    for (const core::BuildInput& input : stored) {
+      const auto windows = core::Recognize(model, input.states, options);
+      REQUIRE(windows.ok());
+      for (const auto& window : *windows) CHECK(window.familiarity > 0.95);
+    }
+  }
+}
+
+TEST_CASE("Calibrate: states why it has no probability of unknown motion", "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  const auto calibrated = [&](std::vector<core::BuildInput> inputs) {
+    core::Model model = ModelOf(std::move(inputs), set);
+    CHECK(model.recognition().unknown == core::UnknownCalibration::kNotFitted);
+    REQUIRE(core::Calibrate(model, core::RunSerially, {}).ok());
+    CHECK_FALSE(model.recognition().window.unknown.has_value());
+    CHECK_FALSE(model.recognition().whole.unknown.has_value());
+    return model.recognition().unknown;
+  };
+  using Reason = core::UnknownCalibration;
+  std::vector<core::BuildInput> one = ClipsAround({0}, {0}, set, 1);
+  one.resize(1);
+  CHECK(calibrated(one) == Reason::kOneClip);
+  CHECK(calibrated(ClipsAround({0}, {0, 1, 2}, set, 1)) == Reason::kOneLabel);
+  CHECK(calibrated(ClipsAround({0, 1, 2}, {0}, set, 1)) == Reason::kOneSubject);
+  std::vector<core::BuildInput> unnamed = ClipsAround({0, 1, 2}, {0, 1, 2}, set, 1);
+  for (core::BuildInput& input : unnamed) input.subject.clear();
+  CHECK(calibrated(unnamed) == Reason::kOneSubject);
+  std::vector<core::BuildInput> few = ClipsAround({0, 1, 2}, {0, 1}, set, 1);
+  few.resize(3);
+  few[2] = ClipsAround({1}, {1}, set, 1).front();
+  CHECK(calibrated(few) == Reason::kTooFewClips);
 }
 
 TEST_CASE("Calibrate: a model that is too small keeps the default weights", "[core][calibration]") {

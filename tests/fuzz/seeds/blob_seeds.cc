@@ -76,6 +76,11 @@ TEST_CASE("Seeds: models and their parts", "[seeds]") {
   calibration.window.familiarity = {-1, 0, 1};
   WriteSeed("recognition_codec_fuzz", "calibration",
             markers + Fields(storage::PutRecognition, calibration));
+  calibration.unknown = core::UnknownCalibration::kFitted;
+  calibration.window.unknown = calibration.whole.unknown =
+      core::UnknownModel{-1, {1, -1, -1}, -10, 5, {{"walk", -2, 1}}};
+  WriteSeed("recognition_codec_fuzz", "unknown",
+            markers + Fields(storage::PutRecognition, calibration));
 }
 
 }  // namespace

@@ -11,6 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)tests::CheckFieldCodec(
       bytes, [&](storage::FieldReader& reader) { return storage::GetMetric(reader, dimensions); },
       storage::PutMetric);
-  (void)tests::CheckFieldCodec(bytes, storage::GetRecognition, storage::PutRecognition);
+  (void)tests::CheckFieldCodec(
+      bytes, [](storage::FieldReader& reader) { return storage::GetRecognition(reader, true); },
+      storage::PutRecognition);
   return 0;
 }

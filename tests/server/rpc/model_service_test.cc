@@ -75,8 +75,8 @@ TEST_CASE("ModelService, GetDatabase, Recognize: a model that is not calibrated 
   nodes.set_page_size(2);
   nodes.set_page_token(Ask(*stub, &Stub::ListNodes, nodes).response.next_page_token());
   REQUIRE_FALSE(nodes.page_token().empty());
-  CHECK(get(kCurrent).calibration() == v1::CALIBRATION_OWN);
-  CHECK(server.Describe("db").calibration() == v1::CALIBRATION_OWN);
+  CHECK(get(kCurrent).calibration() == v1::CALIBRATION_ONE_SUBJECT);
+  CHECK(server.Describe("db").calibration() == v1::CALIBRATION_ONE_SUBJECT);
 
   server.model_gate().Close();
   const auto ingested =
@@ -116,9 +116,9 @@ TEST_CASE("ModelService, GetDatabase, Recognize: a model that is not calibrated 
   CHECK(ask() == v1::CALIBRATION_PREVIOUS);
   server.model_gate().Open();
   server.Wait(ingested.operation().name());
-  CHECK(ask() == v1::CALIBRATION_OWN);
+  CHECK(ask() == v1::CALIBRATION_ONE_SUBJECT);
   CHECK(get(kCurrent).name() == "databases/db/models/2");
-  CHECK(server.Describe("db").calibration() == v1::CALIBRATION_OWN);
+  CHECK(server.Describe("db").calibration() == v1::CALIBRATION_ONE_SUBJECT);
 }
 
 TEST_CASE("ModelService: unknown databases, models and layers", "[server][rpc]") {

@@ -1,0 +1,50 @@
+// The probability that a motion is unknown: that it has none of the stored labels.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/recognition_calibration.h"
+#include "core/recognition/recognize.h"
+#include "core/recognition/window_alignment.h"
+
+namespace motiondb::core {
+
+class Model;
+
+// What an alignment says about the most probable label.
+struct BestLabel {
+  std::size_t label = 0;  // index into the labels
+  double fit = 0;         // log evidence per frame
+  // Logarithm of the part of the motion that the label's best clip does not explain: the squared
+  // distance that `fit` amounts to, over the squared distance from the mean pose.
+  double unexplained = 0;
+  double log_odds = 0;  // against all other labels, with the weight of the evidence
+};
+
+// `evidence`: LabelEvidence of at least one label; -infinity for a label that has no clips.
+BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment,
+                        const EvidenceWeight& weight);
+
+// Returns the features of UnknownModel: `unexplained`; the deviation of the fit from that of the
+// label's held-out clips, in standard deviations; the log odds. The last two are unbounded, so x is
+// replaced by x / (1 + |x| / bound), with the bounds 6 and 4.
+std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best, double mean,
+                                                            double deviation);
+
+struct LabelAnswer {
+  std::vector<LabelScore> labels;  // most probable first
+  // Probability that the window has none of the labels. With it the probabilities of the labels sum
+  // to 1. Absent if the calibration has no UnknownModel: they then sum to 1 alone.
+  std::optional<double> unknown_probability;
+};
+
+// Returns the probabilities of `labels` (Labels(model)), given the window. "Unknown" counts as one
+// more label: before the observation all have equal probabilities.
+LabelAnswer LabelsOrUnknown(const Model& model, const std::vector<std::string>& labels,
+                            const WindowAlignment& alignment, const AnswerCalibration& calibration);
+
+}  // namespace motiondb::core

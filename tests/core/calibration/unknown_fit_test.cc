@@ -1,0 +1,126 @@
+#include "core/calibration/unknown_fit.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace motiondb::tests::unknown_fit_test {
+namespace {
+
+const std::vector<std::string> kLabels = {"hop", "jog", "sit", "walk"};
+
+// Clips of labels with different fits: hop clips differ more from each other than walk clips.
+// Unknown motion fits the label that it resembles by `gap` less.
+std::vector<core::UnknownSample> Samples(int clips, double gap, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<core::UnknownSample> samples;
+  for (int clip = 0; clip < clips; ++clip) {
+    const auto label = static_cast<std::size_t>(clip) % kLabels.size();
+    const double mean = -4.0 - 8.0 * static_cast<double>(label);
+    for (const bool is_unknown : {false, true}) {
+      core::UnknownSample sample{is_unknown, clip, label, {}, 0};
+      sample.best.label = is_unknown ? (label + 1) % kLabels.size() : label;
+      const double of_best =
+          is_unknown ? -4.0 - 8.0 * static_cast<double>(sample.best.label) : mean;
+      sample.best.fit = of_best + normal(random) - (is_unknown ? gap : 0);
+      sample.own_fit = is_unknown ? 0 : sample.best.fit;
+      sample.best.unexplained = 0.3 * normal(random) - (is_unknown ? 0.5 : 1);
+      sample.best.log_odds = 2 + normal(random) + (is_unknown ? 0 : 1);
+      samples.push_back(sample);
+    }
+  }
+  return samples;
+}
+
+double Probability(const core::UnknownModel& model, const core::BestLabel& best) {
+  const core::LabelFit& fit = model.fits[best.label];
+  double log_odds = model.intercept;
+  const auto features = core::UnknownFeatures(best, fit.mean, fit.deviation);
+  for (std::size_t i = 0; i < features.size(); ++i) log_odds += model.weights[i] * features[i];
+  return 1 / (1 + std::exp(-log_odds));
+}
+
+}  // namespace
+
+TEST_CASE("FitUnknownModel: probabilities equal frequencies, an unknown motion counts as one label",
+          "[core][calibration]") {
+  const auto model = core::FitUnknownModel(kLabels, Samples(400, 2, 1));
+  REQUIRE(model.has_value());
+  // Of new samples, with one unknown motion for four known ones.
+  double surplus[10] = {};
+  double total = 0;
+  double errors[2] = {};
+  double count[2] = {};
+  for (const core::UnknownSample& sample : Samples(4000, 2, 2)) {
+    const double weight = sample.is_unknown ? 1 : 4;
+    const double p = Probability(*model, sample.best);
+    surplus[std::min(9, static_cast<int>(10 * p))] += weight * (p - (sample.is_unknown ? 1 : 0));
+    total += weight;
+    errors[sample.is_unknown] += (p > 0.5) != sample.is_unknown ? 1 : 0;
+    ++count[sample.is_unknown];
+  }
+  double error = 0;
+  for (const double bin : surplus) error += std::abs(bin) / total;
+  CHECK(error < 0.02);
+  CHECK(errors[0] / count[0] < 0.05);
+  CHECK(errors[1] / count[1] < 0.35);
+}
+
+TEST_CASE("FitUnknownModel: each label has its own fit, shrunk towards that of all",
+          "[core][calibration]") {
+  const auto model = core::FitUnknownModel(kLabels, Samples(400, 2, 1));
+  REQUIRE(model.has_value());
+  REQUIRE(model->fits.size() == kLabels.size());
+  CHECK(model->typical_mean == Approx(-16).margin(0.3));
+  for (std::size_t l = 0; l < kLabels.size(); ++l) {
+    const double own = -4.0 - 8.0 * static_cast<double>(l);
+    CHECK(model->fits[l].label == kLabels[l]);
+    CHECK(model->fits[l].mean == Approx((100 * own + 4 * -16) / 104).margin(0.4));
+    CHECK(model->fits[l].deviation > 0.5);
+    CHECK(model->fits[l].deviation < 3);
+  }
+}
+
+TEST_CASE("FitUnknownModel: a weight never contradicts the meaning of its feature",
+          "[core][calibration]") {
+  // Unknown motion that fits better and has higher odds than known motion: nothing to learn.
+  std::vector<core::UnknownSample> samples = Samples(60, -3, 3);
+  for (core::UnknownSample& sample : samples) {
+    if (sample.is_unknown) sample.best.log_odds += 4;
+  }
+  const auto model = core::FitUnknownModel(kLabels, samples);
+  REQUIRE(model.has_value());
+  CHECK(model->weights[0] > 0);
+  CHECK(model->weights[1] == 0);
+  CHECK(model->weights[2] == 0);
+}
+
+TEST_CASE("FitUnknownModel: with two labels the log odds are not used", "[core][calibration]") {
+  std::vector<core::UnknownSample> samples;
+  for (core::UnknownSample sample : Samples(80, 2, 4)) {
+    sample.label %= 2;
+    sample.best.label %= 2;
+    if (sample.is_unknown) sample.best.log_odds = 0;  // one label is left: there are no odds
+    samples.push_back(sample);
+  }
+  const auto model = core::FitUnknownModel({"hop", "jog"}, samples);
+  REQUIRE(model.has_value());
+  CHECK(model->weights[2] == 0);
+}
+
+TEST_CASE("FitUnknownModel: needs four clips of two labels of each kind", "[core][calibration]") {
+  CHECK(core::FitUnknownModel(kLabels, Samples(4, 2, 5)).has_value());
+  CHECK_FALSE(core::FitUnknownModel(kLabels, Samples(3, 2, 5)).has_value());
+  CHECK_FALSE(core::FitUnknownModel(kLabels, {}).has_value());
+  std::vector<core::UnknownSample> samples = Samples(40, 2, 5);
+  std::erase_if(samples, [](const core::UnknownSample& sample) { return sample.is_unknown; });
+  CHECK_FALSE(core::FitUnknownModel(kLabels, samples).has_value());
+  samples = Samples(40, 2, 5);
+  std::erase_if(samples, [](const core::UnknownSample& sample) { return sample.label != 2; });
+  CHECK_FALSE(core::FitUnknownModel(kLabels, samples).has_value());
+}
+
+}  // namespace motiondb::tests::unknown_fit_test

@@ -20,9 +20,17 @@ double MethodResults::milliseconds_each() const {
 std::vector<LabelPair> MethodResults::names() const {
   std::vector<LabelPair> names;
   for (const ScoredObservation& judgement : judgements) {
-    names.push_back({judgement.clip->label, judgement.recognition.label});
+    names.push_back({judgement.clip->label, judgement.recognition.answer()});
   }
   return names;
+}
+
+double MethodResults::unknown_fraction() const {
+  const auto unknown = std::ranges::count_if(judgements, [](const ScoredObservation& judgement) {
+    return IsUnknown(judgement.recognition.unknown_probability);
+  });
+  return judgements.empty() ? std::numeric_limits<double>::quiet_NaN()
+                            : static_cast<double>(unknown) / static_cast<double>(judgements.size());
 }
 
 Observe Unchanged(Extent extent) {

@@ -35,7 +35,9 @@ struct MethodResults {
   double seconds = 0;  // processor time of all observations
 
   double milliseconds_each() const;
+  // The named label is the answer, which can be kUnknown.
   std::vector<LabelPair> names() const;
+  double unknown_fraction() const;  // of the answers; NaN if there are none
 };
 
 // Makes observations of a clip.

@@ -13,9 +13,8 @@ namespace {
 std::vector<Claim> ClaimsOf(const MethodResults& judged) {
   std::vector<Claim> claims;
   for (const ScoredObservation& judgement : judged.judgements) {
-    const auto& probabilities = judgement.recognition.probabilities;
-    claims.push_back({*std::max_element(probabilities.begin(), probabilities.end()),
-                      judgement.clip->label == judgement.recognition.label});
+    claims.push_back({judgement.recognition.answer_probability(),
+                      judgement.clip->label == judgement.recognition.answer()});
   }
   return claims;
 }
@@ -60,8 +59,9 @@ absl::Status AddRecognition(RecognitionStudy& study, Tables& tables) {
     }
   }
   errors.notes.push_back(
-      "The confidence is the highest label probability; a peer's is the softmax of its scores, "
-      "with a temperature chosen on held-out training clips.");
+      "The confidence is the probability of the answer: of the most probable label, or of unknown "
+      "motion if that is above 0.5, which is always wrong here. A peer's label probabilities are "
+      "the softmax of its scores, with a temperature chosen on held-out training clips.");
   tables.push_back(std::move(errors));
   std::move(reliability.begin(), reliability.end(), std::back_inserter(tables));
   return absl::OkStatus();

@@ -91,7 +91,10 @@ absl::StatusOr<double> WindowAccuracy(const core::Model& model, const ClipSet& t
     for (const core::StateSequence& window : SplitIntoWindows(clip->states)) {
       options.window_seconds = window.frame_count() / window.frame_rate_hz;
       MOTIONDB_ASSIGN_OR_RETURN(const auto recognized, core::Recognize(model, window, options));
-      right += recognized.front().labels.front().label == clip->label ? 1 : 0;
+      const core::RecognizedWindow& answer = recognized.front();
+      right += !IsUnknown(answer.unknown_probability) && answer.labels.front().label == clip->label
+                   ? 1
+                   : 0;
       ++windows;
     }
   }

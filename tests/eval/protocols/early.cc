@@ -30,7 +30,8 @@ absl::StatusOr<Tables> RunEarly(Studies& studies) {
   }
   table.notes.push_back(
       "Parameters are those of whole clips. Nothing after the beginning is known, so the last "
-      "velocities are backward differences. DTW may end anywhere in a stored clip.");
+      "velocities are backward differences. DTW may end anywhere in a stored clip. A beginning "
+      "that is answered unknown is wrong; peers always answer with a label.");
   return Tables{table};
 }
 

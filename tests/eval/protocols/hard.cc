@@ -70,7 +70,7 @@ absl::StatusOr<Table> ByFormat(RecognitionStudy& study, const std::string& what,
       std::vector<LabelPair> names;
       for (const ScoredObservation& judgement : judged[m].judgements) {
         if (holds(*judgement.clip)) {
-          names.push_back({judgement.clip->label, judgement.recognition.label});
+          names.push_back({judgement.clip->label, judgement.recognition.answer()});
         }
       }
       row.figures.push_back(100 * Accuracy(names));
@@ -100,7 +100,8 @@ absl::StatusOr<Tables> RunHard(Studies& studies) {
         "Stored clips are clean. Missing throughout: markers of a window or clip, except the hips. "
         "Limb: all markers except its joint with the trunk. Noise: standard deviation of each "
         "coordinate in each frame at the database's rate, before states are computed. The size of "
-        "the body is known. Methods are fitted to clean clips, as in the protocols above.");
+        "the body is known. Methods are fitted to clean clips, as in the protocols above. The "
+        "answer unknown is wrong.");
     tables.push_back(std::move(table));
   }
   MOTIONDB_ASSIGN_OR_RETURN(Table filling, FillingErrors(study, conditions));

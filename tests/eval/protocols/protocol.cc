@@ -7,7 +7,7 @@ const std::vector<Protocol>& Protocols() {
       {"windows", "Windows: database 1, train to test, 0.4 s", RunWindows},
       {"whole", "Whole clips: HDM05, one actor left out", RunWhole},
       {"early", "Early: the beginnings of HDM05's clips", RunEarly},
-      {"unknown", "Unknown: motion that is not in database 1", RunUnknown},
+      {"unknown", "Unknown: motion that is not in the database", RunUnknown},
       {"prediction", "Prediction: 10 frames in, 25 out, at 25 Hz", RunPrediction},
       {"calibration", "Calibration of confidences", RunCalibration},
       {"hard", "Hard conditions", RunHard},

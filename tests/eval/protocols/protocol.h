@@ -24,7 +24,7 @@ absl::StatusOr<Tables> RunWindows(Studies& studies);
 absl::StatusOr<Tables> RunWhole(Studies& studies);
 // Beginnings of HDM05 clips.
 absl::StatusOr<Tables> RunEarly(Studies& studies);
-// Separating motion that database 1 knows from unknown motion.
+// Separating motion that a database knows from unknown motion.
 absl::StatusOr<Tables> RunUnknown(Studies& studies);
 // Marker positions up to 1 s ahead.
 absl::StatusOr<Tables> RunPrediction(Studies& studies);

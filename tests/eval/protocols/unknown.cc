@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/motion/error.h"
+#include "tests/eval/protocols/held_out_labels.h"
 #include "tests/eval/protocols/protocol.h"
 #include "tests/eval/statistics/auroc.h"
 
@@ -25,46 +26,66 @@ bool IsOne(const ClipSet& clips, const EvalClip* clip) {
   return std::find(clips.begin(), clips.end(), clip) != clips.end();
 }
 
+// The scores of one method, by who the clips are of. Higher: known is more probable.
+struct GroupedScores {
+  std::vector<double> known, known_hdm05, other, actions;
+};
+
+GroupedScores GroupScores(const Corpus& corpus, const MethodResults& judged, bool by_probability) {
+  GroupedScores scores;
+  for (const ScoredObservation& judgement : judged.judgements) {
+    const Recognition& recognition = judgement.recognition;
+    const double score =
+        by_probability ? -recognition.unknown_probability.value_or(0) : recognition.familiarity;
+    if (IsOne(corpus.database1_test, judgement.clip)) {
+      scores.known.push_back(score);
+    } else if (IsOne(corpus.other, judgement.clip)) {
+      scores.other.push_back(score);
+    } else if (LabelOfAction(judgement.clip->label).empty()) {
+      scores.actions.push_back(score);
+    } else {
+      scores.known_hdm05.push_back(score);
+    }
+  }
+  return scores;
+}
+
+std::vector<double> Joined(std::vector<double> a, const std::vector<double>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 Table Compare(RecognitionStudy& study, Experiments which, const std::string& title,
               const Corpus& corpus, const std::vector<MethodResults>& judged) {
   Table table{
       .title = title,
       .columns = {
           {"all", 3}, {"CMU's other", 3}, {"HDM05's actions", 3}, {"all, HDM05's known too", 3}}};
-  std::size_t counts[4] = {};
   for (std::size_t m = 0; m < judged.size(); ++m) {
-    std::vector<double> known, known_hdm05, other, actions;
-    for (const ScoredObservation& judgement : judged[m].judgements) {
-      const double familiarity = judgement.recognition.familiarity;
-      if (IsOne(corpus.database1_test, judgement.clip)) {
-        known.push_back(familiarity);
-      } else if (IsOne(corpus.other, judgement.clip)) {
-        other.push_back(familiarity);
-      } else if (LabelOfAction(judgement.clip->label).empty()) {
-        actions.push_back(familiarity);
-      } else {
-        known_hdm05.push_back(familiarity);
-      }
-    }
-    counts[0] = known.size();
-    counts[1] = other.size();
-    counts[2] = actions.size();
-    counts[3] = known_hdm05.size();
-    std::vector<double> unknown = other;
-    unknown.insert(unknown.end(), actions.begin(), actions.end());
-    std::vector<double> all_known = known;
-    all_known.insert(all_known.end(), known_hdm05.begin(), known_hdm05.end());
-    table.rows.push_back({study.methods()[m].name,
-                          {Auroc(known, unknown), Auroc(known, other), Auroc(known, actions),
-                           Auroc(all_known, unknown)},
-                          study.Chosen(which, m)});
+    const std::string& name = study.methods()[m].name;
+    const auto add_row = [&](const std::string& row_name, bool by_probability,
+                             const std::string& chosen) {
+      const GroupedScores scores = GroupScores(corpus, judged[m], by_probability);
+      const std::vector<double> unknown = Joined(scores.other, scores.actions);
+      table.rows.push_back({row_name,
+                            {Auroc(scores.known, unknown), Auroc(scores.known, scores.other),
+                             Auroc(scores.known, scores.actions),
+                             Auroc(Joined(scores.known, scores.known_hdm05), unknown)},
+                            chosen});
+    };
+    const bool has_probability =
+        judged[m].judgements.front().recognition.unknown_probability.has_value();
+    const std::string chosen = study.Chosen(which, m);
+    if (has_probability) add_row(name, true, chosen);
+    add_row(name + ", familiarity", false, has_probability ? "" : chosen);
   }
-  table.notes.push_back(
-      fmt::format("Known: {} of database 1's test clips. Unknown: {} of CMU's clips labelled "
-                  "other, {} of HDM05's other actions. The last column counts {} of HDM05's jog, "
-                  "kick and hop as known. The score is the database's familiarity, or the peers' "
-                  "minimum distance or maximum likelihood.",
-                  counts[0], counts[1], counts[2], counts[3]));
+  const GroupedScores counts = GroupScores(corpus, judged.front(), false);
+  table.notes.push_back(fmt::format(
+      "Known: {} of database 1's test clips. Unknown: {} of CMU's clips labelled "
+      "other, {} of HDM05's other actions. The last column counts {} of HDM05's jog, "
+      "kick and hop as known. The score is the probability of unknown motion, or the "
+      "familiarity; a peer's familiarity is its minimum distance or maximum likelihood.",
+      counts.known.size(), counts.other.size(), counts.actions.size(), counts.known_hdm05.size()));
   return table;
 }
 
@@ -78,13 +99,17 @@ absl::StatusOr<Tables> RunUnknown(Studies& studies) {
   clips.insert(clips.end(), corpus->hdm05.begin(), corpus->hdm05.end());
   Tables tables;
   for (const auto& [which, extent, title] :
-       {std::tuple{Experiments::kDatabase1Windows, Extent::kWindow, "AUROC of 0.4-s windows"},
-        std::tuple{Experiments::kDatabase1Clips, Extent::kWhole, "AUROC of whole clips"}}) {
+       {std::tuple{Experiments::kDatabase1Windows, Extent::kWindow,
+                   "AUROC of 0.4-s windows, database 1"},
+        std::tuple{Experiments::kDatabase1Clips, Extent::kWhole,
+                   "AUROC of whole clips, database 1"}}) {
     MOTIONDB_ASSIGN_OR_RETURN(const std::vector<MethodResults> judged,
                               study.RunMethods(fmt::format("unknown, {}", title), which, extent,
                                                Unchanged(extent), &clips));
     tables.push_back(Compare(study, which, title, *corpus, judged));
   }
+  MOTIONDB_ASSIGN_OR_RETURN(Tables held_out, HeldOutLabelTables(study));
+  std::move(held_out.begin(), held_out.end(), std::back_inserter(tables));
   return tables;
 }
 

@@ -20,6 +20,7 @@ absl::StatusOr<Tables> RunWhole(Studies& studies) {
   table.columns.insert(table.columns.end(), {{"all clips"},
                                              {"macro over actions"},
                                              {"wrong clips", 0},
+                                             {"of these unknown", 0},
                                              {"model, MB", 2},
                                              {"ms per clip", 2}});
   for (std::size_t m = 0; m < judged.size(); ++m) {
@@ -29,7 +30,7 @@ absl::StatusOr<Tables> RunWhole(Studies& studies) {
       std::vector<LabelPair> of_actor;
       for (const ScoredObservation& judgement : judged[m].judgements) {
         if (judgement.clip->source == actor) {
-          of_actor.push_back({judgement.clip->label, judgement.recognition.label});
+          of_actor.push_back({judgement.clip->label, judgement.recognition.answer()});
         }
       }
       row.figures.push_back(100 * Accuracy(of_actor));
@@ -39,10 +40,12 @@ absl::StatusOr<Tables> RunWhole(Studies& studies) {
     row.figures.insert(row.figures.end(),
                        {100 * accuracy, 100 * MacroAccuracy(names),
                         (1 - accuracy) * static_cast<double>(names.size()),
+                        judged[m].unknown_fraction() * static_cast<double>(names.size()),
                         1e-6 * study.ModelBytes(kWhich, m), judged[m].milliseconds_each()});
   }
   table.notes.push_back(
-      fmt::format("{} clips; the folds are pooled.", judged.front().judgements.size()));
+      fmt::format("{} clips; the folds are pooled. A clip that is answered unknown is wrong.",
+                  judged.front().judgements.size()));
   return Tables{table};
 }
 

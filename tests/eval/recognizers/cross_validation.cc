@@ -41,7 +41,7 @@ std::vector<Fold> LeaveOneSourceOut(const ClipSet& clips) {
 
 Folds MakeFolds(const ClipSet& clips) {
   const std::vector<std::string> labels = LabelsOf(clips);
-  Folds by_source{"by leaving one subject out", LeaveOneSourceOut(clips)};
+  Folds by_source{"by leaving one subject out", LeaveOneSourceOut(clips), true};
   if (HaveAllLabels(by_source.folds, labels)) return by_source;
 
   Folds dealt{"by three folds of clips", std::vector<Fold>(kDealtFolds)};

@@ -16,6 +16,7 @@ struct Fold {
 struct Folds {
   std::string description;
   std::vector<Fold> folds;
+  bool by_source = false;
 };
 
 // Leaves out one source (subject) at a time if all labels still remain; otherwise distributes the
@@ -28,8 +29,9 @@ std::vector<Fold> LeaveOneSourceOut(const ClipSet& clips);
 
 // The result of a fold for a held-out motion.
 struct HeldOut {
-  std::vector<double> scores;  // one per label
+  std::vector<double> scores;  // one per label; -infinity if the fold's training clips lack it
   int truth = 0;
+  int clip = 0;  // which motions are of the same clip
 };
 
 double HeldOutAccuracy(const std::vector<HeldOut>& held_out);

@@ -32,7 +32,7 @@ absl::StatusOr<Recognition> DatabaseRecognizer::Recognize(const core::StateSeque
                             core::Recognize(*model_, observation, options));
   const core::RecognizedWindow& window = windows.front();
   Recognition recognition{window.labels.front().label, std::vector<double>(labels_.size()),
-                          window.familiarity};
+                          window.familiarity, window.unknown_probability};
   for (const core::LabelScore& score : window.labels) {
     const auto at = std::lower_bound(labels_.begin(), labels_.end(), score.label);
     recognition.probabilities[at - labels_.begin()] = score.probability;

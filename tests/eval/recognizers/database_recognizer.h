@@ -28,6 +28,9 @@ class DatabaseRecognizer : public Recognizer {
   std::string parameters() const override { return ""; }
   // Includes states, node statistics, graphs and familiarity statistics.
   double model_bytes() const override;
+  std::unique_ptr<Recognizer> WithSameParameters() const override {
+    return std::make_unique<DatabaseRecognizer>(set_, setting_);
+  }
 
  private:
   const core::MarkerSet set_;

@@ -40,7 +40,7 @@ std::vector<PeerCandidate> HmmCandidates() {
 }
 
 RecognitionMethod PeerMethod(std::string name, std::vector<PeerCandidate> candidates) {
-  return {std::move(name), [candidates] { return std::make_unique<TunedPeer>(candidates); }};
+  return {std::move(name), [candidates] { return std::make_unique<TunedPeer>(candidates); }, true};
 }
 
 }  // namespace

@@ -40,13 +40,7 @@ std::vector<PlotLabel> LabelsOf(const std::vector<const v1::RecognitionWindow*>&
       found.try_emplace(LabelOrPlaceholder(clip->label()));  // for the colour of the clip
     }
   }
-  std::vector<PlotLabel> labels;
-  for (auto& [name, label] : found) {
-    label.name = name;
-    labels.push_back(label);
-  }
-  SortLabels(labels);
-  return labels;
+  return SortedLabels(found);
 }
 
 std::map<std::string, int> ClipIndices(const std::vector<const v1::RecognitionWindow*>& windows,
@@ -85,7 +79,7 @@ std::string TooltipOf(const v1::RecognitionWindow& window) {
   }
   if (window.labels_size() == 0) text += "no labels";
   if (window.has_unknown_probability()) {
-    text += fmt::format(", unknown {:.2f}", window.unknown_probability());
+    text += ", " + UnknownText(window.unknown_probability());
   }
   text += fmt::format("; familiarity {:.2f}", window.familiarity());
   if (const auto* clip = BestClip(window)) text += "; best clip " + ShortName(clip->clip());

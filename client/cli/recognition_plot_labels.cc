@@ -32,14 +32,15 @@ int VariantOf(int place) { return place / kColourCount % kVariants; }
 
 }  // namespace
 
-void SortLabels(std::vector<PlotLabel>& labels) {
-  std::sort(labels.begin(), labels.end(),
-            [](const PlotLabel& a, const PlotLabel& b) { return a.name < b.name; });
-  if (static_cast<int>(labels.size()) <= kColourCount) return;
+std::vector<PlotLabel> SortedLabels(const std::map<std::string, PlotLabel>& by_name) {
+  std::vector<PlotLabel> labels;
+  for (const auto& [name, label] : by_name) labels.emplace_back(label).name = name;
+  if (static_cast<int>(labels.size()) <= kColourCount) return labels;
   std::stable_sort(labels.begin(), labels.end(), [](const PlotLabel& a, const PlotLabel& b) {
     return std::tie(a.windows_won, a.probability, a.line_count, a.clip_count) >
            std::tie(b.windows_won, b.probability, b.line_count, b.clip_count);
   });
+  return labels;
 }
 
 std::map<std::string, int> LabelIndices(const std::vector<PlotLabel>& labels) {

@@ -20,10 +20,11 @@ struct PlotLabel {
   int line_count = 0;      // of its clips, in all layers
 };
 
-// Sorts labels for their colours. Up to the number of colours they are sorted by name, so that all
-// plots of a database use the same colours. More labels are sorted by windows won, probability,
-// lines and clips, so that the most frequent ones have different colours.
-void SortLabels(std::vector<PlotLabel>& labels);
+// Returns the labels of a map from names, sorted for their colours. Up to the number of colours
+// they are sorted by name, so that all plots of a database use the same colours. More labels are
+// sorted by windows won, probability, lines and clips, so that the most frequent ones have
+// different colours.
+std::vector<PlotLabel> SortedLabels(const std::map<std::string, PlotLabel>& by_name);
 
 // Returns the indices of the labels.
 std::map<std::string, int> LabelIndices(const std::vector<PlotLabel>& labels);

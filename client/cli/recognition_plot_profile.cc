@@ -109,13 +109,7 @@ std::vector<PlotLabel> ProfileLabels(const std::vector<LayerProfile>& layers) {
       if (winner) ++found[*winner].windows_won;
     }
   }
-  std::vector<PlotLabel> labels;
-  for (auto& [name, label] : found) {
-    label.name = name;
-    labels.push_back(label);
-  }
-  SortLabels(labels);
-  return labels;
+  return SortedLabels(found);
 }
 
 std::vector<int> PlottedLayers(int bottom_layer) {

@@ -19,14 +19,11 @@ struct UnknownSample {
   double own_fit = 0;  // known: log evidence per frame of its own label
 };
 
-// Fits the model to samples of at least 4 known and 4 unknown clips, each of at least two labels;
-// nullopt if there are fewer.
+// Fits the model by FitUnknownRegression; nullopt as there.
 //
 // The fits of a label are the mean and deviation of its known clips, shrunk towards those of all
-// labels as by 4 more clips; a sample is compared with them without its own clip. Labels count
-// equally, and unknown samples together as much as one label. The regression has a ridge of 0.1
-// over the number of clips, on standardized features. A weight whose sign contradicts the feature's
-// meaning is 0; so is that of the log odds if unknown samples can have only one label.
+// labels as by 4 more clips; a sample is compared with them without its own clip. The log odds are
+// not used if unknown samples can have only one label.
 std::optional<UnknownModel> FitUnknownModel(const std::vector<std::string>& labels,
                                             const std::vector<UnknownSample>& samples);
 

@@ -58,7 +58,7 @@ enum class UnknownCalibration {
   kNotFitted,    // the model is not calibrated, or was by an older version
   kOneClip,      // no clip can be held out
   kOneLabel,     // no label can be held out
-  kOneSubject,   // fewer than two subjects are named: nobody knows how people differ
+  kOneSubject,   // fewer than two subjects are named
   kTooFewClips,  // too few clips remain if a subject or a label is held out
 };
 

@@ -265,4 +265,10 @@ void ModelLifecycle::AwaitStop() {
   });
 }
 
+absl::StatusOr<bool> ModelLifecycle::IsUpToDate() {
+  const auto current = snapshot();
+  if (current == nullptr) return database_.stored().clip_count == 0;
+  return HasAllClips(*current);
+}
+
 }  // namespace motiondb::server

@@ -370,12 +370,6 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
                                                    snapshot->calibration, snapshot->is_extensible});
 }
 
-absl::StatusOr<bool> ModelLifecycle::IsUpToDate() {
-  const SnapshotPointer current = snapshot();
-  if (current == nullptr) return database_.stored().clip_count == 0;
-  return HasAllClips(*current);
-}
-
 absl::StatusOr<bool> ModelLifecycle::HasAllClips(const Snapshot& snapshot) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
                             services_.store.FindModelStaleness(database_.name()));

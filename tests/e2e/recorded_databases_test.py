@@ -93,6 +93,11 @@ class PaperDatabases(WithServer):
         labels = ("kickLFront1Reps", "squat1Reps", "grabHighR")
         self.ingest_hdm05("three", labels)
         self.assertEqual(self.server.ask_one("describe", "three")["calibration"], "CALIBRATION_OWN")
+        for label in labels:
+            stored = sorted(glob.glob(f"{DATA}/hdm05/HDM_bd_{label}_*.amc"))[0]
+            for window in self.server.ask_one("recognize", "three", stored)["windows"]:
+                self.assertGreater(window["familiarity"], 0.9, "stored motion is familiar")
+                self.assertLess(window["unknown_probability"], 0.5)
         of_third = f"{DATA}/hdm05/HDM_dg_"  # a subject that is not in the database
         for clip in ("kickLFront1Reps_013", "squat1Reps_025", "grabHighR_011"):
             path = f"{of_third}{clip}_120.amc"

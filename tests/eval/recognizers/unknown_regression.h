@@ -24,11 +24,7 @@ struct UnknownRegression {
 // scores, and an unknown sample without the score of its own label. If the fold did not learn its
 // label, it is only an unknown sample.
 //
-// Labels count equally; known samples count as many times as unknown ones as there are labels. The
-// ridge is 0.1 over the number of clips, on standardized features. A weight above 0 contradicts the
-// meaning of its feature and is set to 0. All as the database does
-// (core/calibration/unknown_fit.h); nullopt also as there: fewer than 4 clips or 2 labels of either
-// kind.
+// Fitted by the regression of the database (core/calibration/unknown_regression.h).
 std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOut>& held_out,
                                                       double temperature);
 

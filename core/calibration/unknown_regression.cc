@@ -1,0 +1,112 @@
+#include "core/calibration/unknown_regression.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace motiondb::core {
+namespace {
+
+constexpr std::size_t kMinClips = 4;
+constexpr std::size_t kMinLabels = 2;
+constexpr double kRidge = 0.1;
+constexpr double kMinSpread = 1e-6;
+
+bool AreEnough(const std::vector<HeldOutKind>& kinds, bool is_unknown) {
+  std::set<int> clips;
+  std::set<std::size_t> labels;
+  for (const HeldOutKind& kind : kinds) {
+    if (kind.is_unknown != is_unknown) continue;
+    clips.insert(kind.clip);
+    labels.insert(kind.label);
+  }
+  return clips.size() >= kMinClips && labels.size() >= kMinLabels;
+}
+
+// Weights that sum to 1.
+Eigen::VectorXd SampleWeights(const std::vector<HeldOutKind>& kinds, double label_count) {
+  std::map<std::pair<bool, std::size_t>, double> samples_of;
+  for (const HeldOutKind& kind : kinds) ++samples_of[{kind.is_unknown, kind.label}];
+  std::array<double, 2> labels{};
+  for (const auto& [kind, count] : samples_of) ++labels[kind.first];
+  Eigen::VectorXd weights(kinds.size());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const bool is_unknown = kinds[i].is_unknown;
+    const double share = (is_unknown ? 1 : label_count) / (1 + label_count);
+    weights[static_cast<Eigen::Index>(i)] =
+        share / (labels[is_unknown] * samples_of[{is_unknown, kinds[i].label}]);
+  }
+  return weights;
+}
+
+// Minimizes the weighted logistic loss plus the ridge. The first column of `design` is 1; columns
+// that are 0 get the coefficient 0.
+Eigen::VectorXd MinimizeLoss(const Eigen::MatrixXd& design, const Eigen::VectorXd& is_unknown,
+                             const Eigen::VectorXd& weights, double ridge) {
+  constexpr int kMaxSteps = 50;
+  constexpr double kMinStep = 1e-9;
+  Eigen::VectorXd penalty = Eigen::VectorXd::Constant(design.cols(), ridge);
+  penalty[0] = 0;
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(design.cols());
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Eigen::ArrayXd p = 1 / (1 + (-(design * b).array().max(-30).min(30)).exp());
+    const Eigen::VectorXd gradient =
+        design.transpose() * (weights.array() * (p - is_unknown.array())).matrix() +
+        penalty.cwiseProduct(b);
+    const Eigen::VectorXd curvature = weights.array() * p * (1 - p) + 1e-12;
+    Eigen::MatrixXd hessian = design.transpose() * curvature.asDiagonal() * design;
+    hessian.diagonal() += penalty;
+    const Eigen::VectorXd change = hessian.ldlt().solve(gradient);
+    b -= change;
+    if (change.cwiseAbs().maxCoeff() < kMinStep) break;
+  }
+  return b;
+}
+
+}  // namespace
+
+std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOutKind>& kinds,
+                                                      const Eigen::MatrixXd& features,
+                                                      std::size_t label_count,
+                                                      std::vector<int> signs) {
+  if (!AreEnough(kinds, false) || !AreEnough(kinds, true)) return std::nullopt;
+  Eigen::VectorXd is_unknown(kinds.size());
+  std::set<int> clips;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    is_unknown[static_cast<Eigen::Index>(i)] = kinds[i].is_unknown ? 1 : 0;
+    clips.insert(kinds[i].clip);
+  }
+  const Eigen::Index count = features.cols();
+  const Eigen::RowVectorXd center = features.colwise().mean();
+  Eigen::MatrixXd design(features.rows(), count + 1);
+  design.col(0).setOnes();
+  design.rightCols(count) = features.rowwise() - center;
+  const Eigen::RowVectorXd spread =
+      design.rightCols(count).array().square().colwise().mean().sqrt().max(kMinSpread);
+  design.rightCols(count).array().rowwise() /= spread.array();
+
+  const Eigen::VectorXd weights = SampleWeights(kinds, static_cast<double>(label_count));
+  const double ridge = kRidge / static_cast<double>(clips.size());
+  Eigen::VectorXd b;
+  for (bool has_wrong_sign = true; has_wrong_sign;) {
+    for (Eigen::Index f = 0; f < count; ++f) {
+      if (signs[static_cast<std::size_t>(f)] == 0) design.col(f + 1).setZero();
+    }
+    b = MinimizeLoss(design, is_unknown, weights, ridge);
+    has_wrong_sign = false;
+    for (Eigen::Index f = 0; f < count; ++f) {
+      int& sign = signs[static_cast<std::size_t>(f)];
+      if (b[f + 1] * sign >= 0) continue;
+      sign = 0;
+      has_wrong_sign = true;
+    }
+  }
+  const Eigen::VectorXd raw = b.tail(count).cwiseQuotient(spread.transpose());
+  return UnknownRegression{b[0] - center.dot(raw), raw};
+}
+
+}  // namespace motiondb::core

@@ -143,31 +143,37 @@ RElbow = RightElbow + Neck + -1 lowerneck
 RWrist = 1.4 RightWrist + -0.4 RightElbow + Neck + -1 lowerneck
 RHand = 1.65 RightWrist + -0.65 RightElbow + Neck + -1 lowerneck
 
-# The DAZ-friendly BVH conversion of the CMU collection.
+# The DAZ-friendly BVH conversion of the CMU collection. All subjects have one skeleton, whose joints
+# are those of a character: the spine is farther in front, the shoulders are lower and narrower, and
+# elbows and wrists are farther in front.
 mapping daz
 signature hip abdomen chest neck head leftEye rightEye lThigh rThigh lShin rShin lFoot rFoot lFoot_end rFoot_end
-signature lShldr rShldr lForeArm rForeArm lHand rHand
-Waist = 0.7 abdomen + 0.3 chest
-Spine = 0.85 chest + 0.15 neck
-Neck = 0.34 chest + 0.66 neck
-Head = 1.4 head + -0.4 neck offset head 0 0 -0.08
-HeadTop = 2.3 head + -1.3 neck offset head 0 0.04 -0.12
+signature lCollar rCollar lShldr rShldr lForeArm rForeArm lHand rHand
+Waist = 0.65 abdomen + 0.35 chest offset abdomen 0 0 -0.056
+Spine = 0.81 chest + 0.19 neck offset chest 0 0 -0.05
+Neck = 0.5 lCollar + 0.5 rCollar + 0.15 chest + -0.15 neck
+Head = 1.98 head + -0.98 neck offset head 0 0 -0.099
+HeadTop = 1.57 head + -0.57 neck offset head 0 0.147 -0.055
 LHip = lThigh
-LKnee = 0.8 lShin + 0.2 lFoot
-LAnkle = 1.1 lFoot + -0.1 lShin
-LToe = lFoot_end + 0.1 lFoot + -0.1 lShin
-LShoulder = 1.37 lShldr + -0.37 rShldr
-LElbow = lForeArm + 0.28 lShldr + -0.28 rShldr
-LWrist = 1.25 lHand + -0.25 lForeArm + 0.24 lShldr + -0.24 rShldr
-LHand = 1.45 lHand + -0.45 lForeArm + 0.24 lShldr + -0.24 rShldr
+LKnee = 0.85 lShin + 0.15 lFoot
+LAnkle = 1.03 lFoot + -0.03 lShin
+LToe = lFoot_end
+LShoulder = 1.46 lShldr + -0.17 rShldr + -0.29 chest
+LUpperArm = 0.51 lForeArm + 1 lShldr + -0.22 rShldr + -0.29 chest offset lShldr 0 -0.031 -0.003
+LElbow = 1.02 lForeArm + 0.49 lShldr + -0.23 rShldr + -0.28 chest offset lShldr 0 -0.045 -0.005
+LForearm = 0.53 lHand + 0.5 lForeArm + 0.48 lShldr + -0.22 rShldr + -0.29 chest offset lForeArm 0 -0.065 -0.043
+LWrist = 1.17 lHand + -0.15 lForeArm + 0.48 lShldr + -0.22 rShldr + -0.28 chest offset lForeArm 0 -0.094 -0.098
+LHand = 1.29 lHand + -0.26 lForeArm + 0.42 lShldr + -0.19 rShldr + -0.26 chest offset lForeArm 0 -0.073 -0.109
 RHip = rThigh
-RKnee = 0.8 rShin + 0.2 rFoot
-RAnkle = 1.1 rFoot + -0.1 rShin
-RToe = rFoot_end + 0.1 rFoot + -0.1 rShin
-RShoulder = 1.37 rShldr + -0.37 lShldr
-RElbow = rForeArm + 0.28 rShldr + -0.28 lShldr
-RWrist = 1.25 rHand + -0.25 rForeArm + 0.24 rShldr + -0.24 lShldr
-RHand = 1.45 rHand + -0.45 rForeArm + 0.24 rShldr + -0.24 lShldr
+RKnee = 0.85 rShin + 0.15 rFoot
+RAnkle = 1.03 rFoot + -0.03 rShin
+RToe = rFoot_end
+RShoulder = 1.46 rShldr + -0.17 lShldr + -0.29 chest
+RUpperArm = 0.51 rForeArm + 1 rShldr + -0.22 lShldr + -0.29 chest offset rShldr 0 -0.031 -0.003
+RElbow = 1.02 rForeArm + 0.49 rShldr + -0.23 lShldr + -0.28 chest offset rShldr 0 -0.045 -0.005
+RForearm = 0.53 rHand + 0.5 rForeArm + 0.48 rShldr + -0.22 lShldr + -0.29 chest offset rForeArm 0 -0.065 -0.043
+RWrist = 1.17 rHand + -0.15 rForeArm + 0.48 rShldr + -0.22 lShldr + -0.28 chest offset rForeArm 0 -0.094 -0.098
+RHand = 1.29 rHand + -0.26 rForeArm + 0.42 rShldr + -0.19 lShldr + -0.26 chest offset rForeArm 0 -0.073 -0.109
 
 # Character Creator and iClone skeletons.
 mapping character-creator

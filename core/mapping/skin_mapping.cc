@@ -43,9 +43,9 @@ class SkinToStandard {
   std::map<std::string, PointSum> All() const {
     using enum Landmark;
     std::map<std::string, PointSum> markers;
-    markers["Waist"] = Between(waist_, thorax_, 0.4);
-    markers["Spine"] = Between(waist_, thorax_, 0.85);
-    markers["Neck"] = Between(thorax_, neck_, 0.42);
+    markers["Waist"] = Between(waist_, thorax_, 0.5);
+    markers["Spine"] = Between(waist_, thorax_, 0.95);
+    markers["Neck"] = Between(thorax_, neck_, 0.6);
     markers["Head"] = Between(neck_, Head(), 0.39);
     markers["HeadTop"] = Between(neck_, Head(), 0.88);
     for (const Side side : {Side::kLeft, Side::kRight}) {
@@ -76,8 +76,8 @@ class SkinToStandard {
   void AddLeg(const std::string& s, Side side, std::map<std::string, PointSum>& markers) const {
     using enum Landmark;
     const auto at = [&](Landmark landmark) { return skin_.at(landmark, side); };
-    const PointSum knee = Centre(kKneeOut, kKneeIn, side, 0.5);
-    const PointSum ankle = Centre(kAnkleOut, kAnkleIn, side, 0.5);
+    const PointSum knee = Centre(kKneeOut, kKneeIn, side, 0.34);
+    const PointSum ankle = Centre(kAnkleOut, kAnkleIn, side, 0.22);
     const PointSum knees =
         Middle(skin_.at(kKneeOut, Side::kLeft), skin_.at(kKneeOut, Side::kRight));
     const PointSum& base = hip_base_[side == Side::kRight];
@@ -85,14 +85,13 @@ class SkinToStandard {
                              ? Total({{1, base}, {kHipShare, knees}, {-kHipShare, waist_}})
                              : Total({{1, base}, {0.47, waist_}, {-0.47, thorax_}});
     const PointSum toe = FirstOf({Middle(at(kBigToe), at(kSmallToe)),
-                                  Inwards(Between(at(kToe), at(kSmallToe), 0.3), side, 0.3),
+                                  Inwards(Between(at(kToe), at(kSmallToe), 0.3), side, 0.1),
                                   at(kToe), at(kBigToe), at(kSmallToe)});
     markers[s + "Hip"] = hip;
     markers[s + "Knee"] = knee;
     markers[s + "Ankle"] = ankle;
     markers[s + "Toe"] = toe;
-    markers[s + "Heel"] = FirstOf(
-        {Inwards(at(kHeel), side, 0.2), Total({{1.37, ankle}, {-0.12, knee}, {-0.25, toe}})});
+    markers[s + "Heel"] = FirstOf({at(kHeel), Total({{1.37, ankle}, {-0.12, knee}, {-0.25, toe}})});
     markers[s + "Thigh"] = Middle(hip, knee);
     markers[s + "Shin"] = Middle(knee, ankle);
   }

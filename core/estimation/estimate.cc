@@ -62,6 +62,7 @@ class Filler {
     FilledFrame filled{.frame = frame};
     StateSequence pose{observation_.frame_rate_hz, observation_.leg_length_m,
                        observation_.states.row(frame), observation_.root_path.row(frame)};
+    pose.floor_m = observation_.floor_m;
     filled.deviations_m.setZero(marker_count());
     const std::vector<int> missing = Missing(frame);
     const std::vector<Guess> guesses = Regression(frame, missing);

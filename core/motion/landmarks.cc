@@ -9,14 +9,14 @@ namespace {
 
 // "S" stands for left or right, "s" for l or r. Names are compared in lower case without
 // separators; the first pattern that matches wins.
-constexpr std::string_view kHip[] = {"Supleg", "Supperleg",    "sfemur", "Sthigh",
-                                     "sthigh", "ccbasesthigh", "thighs", "Ship",
-                                     "ship",   "shjc",         "sasi",   "sfwt"};
-constexpr std::string_view kKnee[] = {"Sleg",  "Slowerleg", "Slowleg",     "stibia", "Sshin",
-                                      "sshin", "Sknee",     "sknee",       "Scalf",  "scalf",
-                                      "skjc",  "calfs",     "ccbasescalf", "skne"};
-constexpr std::string_view kAnkle[] = {"Sfoot", "sfoot", "Sankle", "sankle",
-                                       "sajc",  "foots", "sank",   "ccbasesfoot"};
+constexpr std::string_view kHipNames[] = {"Supleg", "Supperleg",    "sfemur", "Sthigh",
+                                          "sthigh", "ccbasesthigh", "thighs", "Ship",
+                                          "ship",   "shjc",         "sasi",   "sfwt"};
+constexpr std::string_view kKneeNames[] = {"Sleg",  "Slowerleg", "Slowleg",     "stibia", "Sshin",
+                                           "sshin", "Sknee",     "sknee",       "Scalf",  "scalf",
+                                           "skjc",  "calfs",     "ccbasescalf", "skne"};
+constexpr std::string_view kAnkleNames[] = {"Sfoot", "sfoot", "Sankle", "sankle",
+                                            "sajc",  "foots", "sank",   "ccbasesfoot"};
 
 // Returns a pattern for one side. The short letter is at the start, at the end or after a prefix.
 std::string ForSide(std::string_view pattern, bool left) {
@@ -60,12 +60,12 @@ Landmarks RecognizeLandmarks(const std::vector<std::string>& names) {
   std::vector<std::string> plain;
   for (const std::string& name : names) plain.push_back(PlainName(name));
   Landmarks landmarks;
-  landmarks.left_hip = Find(plain, kHip, true);
-  landmarks.right_hip = Find(plain, kHip, false);
+  landmarks.left_hip = Find(plain, kHipNames, true);
+  landmarks.right_hip = Find(plain, kHipNames, false);
   for (const bool left : {true, false}) {
     const int hip = left ? landmarks.left_hip : landmarks.right_hip;
-    const int knee = Find(plain, kKnee, left);
-    const int ankle = Find(plain, kAnkle, left);
+    const int knee = Find(plain, kKneeNames, left);
+    const int ankle = Find(plain, kAnkleNames, left);
     if (hip >= 0 && knee >= 0 && ankle >= 0) landmarks.legs.push_back({hip, knee, ankle});
   }
   return landmarks;

@@ -6,6 +6,7 @@
 
 #include "core/motion/derived_markers.h"
 #include "core/motion/error.h"
+#include "core/motion/floor_level.h"
 #include "core/motion/floor_origin.h"
 #include "core/motion/frame_state.h"
 #include "core/motion/marker_rules.h"
@@ -300,6 +301,7 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   }
   if (notes != nullptr) notes->insert(notes->end(), found.begin(), found.end());
   MOTIONDB_RETURN_IF_ERROR(check_cancelled());
+  const double floor_m = MoveToFloor(scheme.set, leg_length_m, mapped);
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
   const double source_rate_hz = mapped.frame_rate_hz;
   mapped = {};
@@ -307,6 +309,7 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   MOTIONDB_ASSIGN_OR_RETURN(StateSequence states,
                             ComputeStates(scheme.set, resampled, leg_length_m));
   states.root_path.leftCols<2>().rowwise() += origin.transpose();
+  if (!cleaning) states.floor_m = floor_m;
   states.glitches = AtFrameRate(glitches, source_rate_hz, frame_rate_hz, states.frame_count());
   return states;
 }
@@ -321,6 +324,7 @@ FrameMatrix WorldPositions(const StateSequence& sequence) {
                           sequence.states.row(t).segment<3>(6 * m).cast<double>().transpose();
       p.head<2>() = turn * p.head<2>();
       p.head<2>() += sequence.root_path.row(t).head<2>().transpose();
+      p.z() += sequence.floor_m;
       positions.row(t).segment<3>(3 * m) = p.cast<float>().transpose();
     }
   }
@@ -333,6 +337,7 @@ StateSequence PastAt(const StateSequence& observation, int frame, int history) {
   StateSequence past{observation.frame_rate_hz, observation.leg_length_m,
                      observation.states.middleRows(first, count),
                      observation.root_path.middleRows(first, count)};
+  past.floor_m = observation.floor_m;
   if (frame == 0 || frame + 1 == observation.frame_count()) return past;
 
   StateSequence last_two{observation.frame_rate_hz, observation.leg_length_m,

@@ -27,9 +27,11 @@ namespace motiondb::core {
 //   3  reference poses at the start are left out, feet and heads can be derived, optical marker
 //      sets are mapped by their landmarks
 //   4  the leg length of a skeleton is measured in its rest pose
+//   5  heights count from the floor under standing feet; joints of DAZ skeletons and of optical
+//      markers are nearer to those of Acclaim skeletons
 // Mappings that are added to a database are applied to stored clips only on request
 // (Engine::ReprocessDatabase).
-inline constexpr int kRepresentationVersion = 4;
+inline constexpr int kRepresentationVersion = 5;
 
 // frames x 3: x and y of the reference frame's origin in the world (m), and its heading: the angle
 // of its x axis about the world's z (rad, unwrapped over time).
@@ -45,6 +47,9 @@ struct StateSequence {
   RootPath root_path;  // frames x 3
   // Frames that glitches affect, ascending and disjoint (GlitchPolicy::kKeep).
   std::vector<FrameSpan> glitches = {};
+  // Height (m) in the world of the floor from which states count. 0 in stored clips: they are moved
+  // to their floor.
+  double floor_m = 0;
 
   int frame_count() const { return static_cast<int>(states.rows()); }
 };
@@ -87,8 +92,8 @@ inline constexpr Cleaning kObservation = std::nullopt;
 
 // Converts a motion to states. Without `leg_length_m`, the size of joints is measured on their
 // bones with all rotations zero, and that of markers is estimated. Steps: ApplyScheme, glitches,
-// gaps, Resample, ComputeStates. Appends to `notes`, if not null, the glitches and gaps that were
-// found. CANCELLED soon after `cancelled` returns true.
+// gaps, MoveToFloor (floor_level.h), Resample, ComputeStates. Appends to `notes`, if not null, the
+// glitches and gaps that were found. CANCELLED soon after `cancelled` returns true.
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
                                         double frame_rate_hz, Cleaning cleaning,
                                         std::optional<double> leg_length_m = std::nullopt,

@@ -89,6 +89,7 @@ PredictedFrame InWorld(const StateSequence& past, double seconds,
                        const Eigen::RowVectorXf& positions) {
   StateSequence pose{past.frame_rate_hz, past.leg_length_m,
                      FrameMatrix::Zero(1, 2 * positions.size()), past.root_path.bottomRows(1)};
+  pose.floor_m = past.floor_m;
   for (Eigen::Index m = 0; m < positions.size() / 3; ++m) {
     pose.states.row(0).segment<3>(6 * m) = positions.segment<3>(3 * m);
   }

@@ -22,7 +22,7 @@ from programs import SLOWNESS, Server, WithServer, main
 OLD_STORES = os.path.join(os.path.dirname(__file__), "../storage/old_stores")
 CLIPS = 600  # more than two transactions of derived clips
 KILLS = 60 if SLOWNESS == 1 else 10  # with sanitizers, the server hardly starts between kills
-REPRESENTATION = 4  # core::kRepresentationVersion
+REPRESENTATION = 5  # core::kRepresentationVersion
 ADDED_COLUMNS = ("representation_version", "tried_version", "tried_time_us", "derive_error", "given_metres_per_unit",
                  "given_up_axis", "given_frame_rate_hz", "given_leg_length_m", "given_take")
 KINDS = {int: b"\1", float: b"\2", str: b"\3", bytes: b"\4", type(None): b"\5"}

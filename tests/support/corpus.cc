@@ -6,6 +6,7 @@
 
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
+#include "core/motion/floor_level.h"
 #include "tests/support/motion_source.h"
 
 namespace motiondb::tests {
@@ -58,6 +59,7 @@ absl::Status Load(const fs::path& path, const core::MarkerScheme& scheme, double
   MOTIONDB_ASSIGN_OR_RETURN(const core::MotionFile file, ReadMotion(path));
   MOTIONDB_ASSIGN_OR_RETURN(clip.markers, core::ApplyScheme(scheme, file.motion));
   MOTIONDB_RETURN_IF_ERROR(core::FillGaps(kMaxGapSeconds, clip.markers).status());
+  core::MoveToFloor(scheme.set, std::nullopt, clip.markers);
   MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerMotion resampled,
                             core::Resample(clip.markers, frame_rate_hz));
   MOTIONDB_ASSIGN_OR_RETURN(clip.states, core::ComputeStates(scheme.set, resampled));

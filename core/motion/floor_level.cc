@@ -1,0 +1,55 @@
+#include "core/motion/floor_level.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/motion/states.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kAnkleHeight = 0.08;   // leg lengths
+constexpr double kStandingSpeed = 0.8;  // leg lengths per second
+constexpr double kMinStanding_s = 0.1;
+constexpr double kHalfSpan_s = 0.02;  // of the differences: noise of markers is no movement
+constexpr double kMaxLevel = 0.15;    // leg lengths
+
+}  // namespace
+
+std::optional<double> FloorLevel(const MarkerSet& set, const MarkerMotion& motion,
+                                 double leg_length_m) {
+  const auto span = std::max<Eigen::Index>(1, std::lround(kHalfSpan_s * motion.frame_rate_hz));
+  const double seconds = 2 * static_cast<double>(span) / motion.frame_rate_hz;
+  const double longest_step_m = kStandingSpeed * leg_length_m * seconds;
+  std::vector<float> heights;
+  for (const auto& leg : set.landmarks.legs) {
+    const auto ankle = motion.positions_m.middleCols<3>(3 * leg[2]);
+    for (Eigen::Index t = span; t + span < ankle.rows(); ++t) {
+      const double step_m = (ankle.row(t + span) - ankle.row(t - span)).norm();
+      if (step_m < longest_step_m && std::isfinite(ankle(t, 2))) heights.push_back(ankle(t, 2));
+    }
+  }
+  if (static_cast<double>(heights.size()) < kMinStanding_s * motion.frame_rate_hz) return {};
+  const auto at = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), at, heights.end());
+  const double level_m = *at - kAnkleHeight * leg_length_m;
+  if (std::abs(level_m) > kMaxLevel * leg_length_m) return {};
+  return level_m;
+}
+
+double MoveToFloor(const MarkerSet& set, std::optional<double> leg_length_m, MarkerMotion& motion) {
+  if (set.landmarks.legs.empty()) return 0;
+  if (!leg_length_m) {
+    const auto measured = EstimateLegLength(set, motion);
+    if (!measured.ok()) return 0;
+    leg_length_m = *measured;
+  }
+  const double level_m = FloorLevel(set, motion, *leg_length_m).value_or(0);
+  for (Eigen::Index z = 2; z < motion.positions_m.cols(); z += 3) {
+    motion.positions_m.col(z).array() -= static_cast<float>(level_m);
+  }
+  return level_m;
+}
+
+}  // namespace motiondb::core

@@ -58,6 +58,7 @@ class RecognitionStudy {
   RecognitionStudy(std::filesystem::path data, double frame_rate_hz, core::ParallelFor parallel,
                    Progress& progress);
 
+  const std::filesystem::path& data() const { return data_; }
   // Reads the corpus on first use.
   absl::StatusOr<const Corpus*> LoadedCorpus();
   const std::vector<RecognitionMethod>& methods() const { return methods_; }

@@ -11,6 +11,7 @@ const std::vector<Protocol>& Protocols() {
       {"prediction", "Prediction: 10 frames in, 25 out, at 25 Hz", RunPrediction},
       {"calibration", "Calibration of confidences", RunCalibration},
       {"hard", "Hard conditions", RunHard},
+      {"sources", "Sources: the database has another source than the observations", RunSources},
       {"corrupt", "Corrupt frames in stored clips", RunCorrupt},
   };
   return kProtocols;

@@ -32,6 +32,8 @@ absl::StatusOr<Tables> RunPrediction(Studies& studies);
 absl::StatusOr<Tables> RunCalibration(Studies& studies);
 // Markers missing or noisy, other frame rates, other formats.
 absl::StatusOr<Tables> RunHard(Studies& studies);
+// Databases and observations of different sources.
+absl::StatusOr<Tables> RunSources(Studies& studies);
 // Stored clips with impossible frames.
 absl::StatusOr<Tables> RunCorrupt(Studies& studies);
 

@@ -218,15 +218,34 @@ std::string HorizonsText(const v1::PredictResponse& response,
   return table.ToString();
 }
 
+std::string ExtrapolationNotes(const v1::PredictResponse& response, double unknown_threshold) {
+  std::string notes;
+  if (IsUnknown(response, unknown_threshold)) {
+    notes += UnknownText(response.unknown_probability()) +
+             ": the motion before that time is unlike the stored motion; the prediction "
+             "extrapolates\n";
+  }
+  const auto& horizons = response.horizons();
+  const auto first = std::ranges::find_if(
+      horizons, [](const v1::PredictedFrame& frame) { return frame.extrapolated(); });
+  if (first != horizons.end()) {
+    notes += fmt::format(
+        "extrapolated from {:.2f} s: no similar stored motion continues that long, or the error "
+        "that far ahead was never measured\n",
+        first->seconds());
+  }
+  return notes;
+}
+
 }  // namespace
 
 std::string PredictionText(const v1::PredictResponse& response,
-                           const std::vector<std::string>& marker_names) {
+                           const std::vector<std::string>& marker_names, double unknown_threshold) {
   return fmt::format("from {:.2f} s, in node {} of layer {} (probability {:.2f})\n",
                      response.at_seconds(), response.state().node_id(), response.layer(),
                      response.state().probability()) +
          NextNodesText(response) + HorizonsText(response, marker_names) +
-         CalibrationNote(response.calibration());
+         ExtrapolationNotes(response, unknown_threshold) + CalibrationNote(response.calibration());
 }
 
 }  // namespace motiondb::client

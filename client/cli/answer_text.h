@@ -30,9 +30,10 @@ std::string EstimationText(const v1::EstimateResponse& response,
                            const std::vector<std::string>& marker_names);
 
 // Returns the next nodes with their probabilities. For each horizon: confidence, and the positions
-// (m) of the body's middle (the mean of all markers) and of the first marker.
+// (m) of the body's middle (the mean of all markers) and of the first marker. Notes say whether
+// the prediction extrapolates.
 std::string PredictionText(const v1::PredictResponse& response,
-                           const std::vector<std::string>& marker_names);
+                           const std::vector<std::string>& marker_names, double unknown_threshold);
 
 // Returns the name of an outcome, such as "EXACT".
 std::string OutcomeText(v1::PlanOutcome outcome);

@@ -227,6 +227,7 @@ struct PredictOptions {
   std::optional<double> every_seconds;
   double history_seconds = 0.4;
   std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
+  double unknown_threshold = kDefaultUnknownThreshold;
 };
 
 void Declare(CLI::App& command, PredictOptions& options) {
@@ -254,6 +255,7 @@ void Declare(CLI::App& command, PredictOptions& options) {
       ->check(PositiveNumber())
       ->capture_default_str();
   AddMethodOption(command, options.method);
+  AddUnknownThresholdOption(command, options.unknown_threshold);
 }
 
 v1::PredictRequest Request(const PredictOptions& options) {
@@ -268,14 +270,17 @@ v1::PredictRequest Request(const PredictOptions& options) {
 // Prints predictions when they arrive.
 class Printer {
  public:
-  Printer(bool json, std::vector<std::string> marker_names)
-      : json_(json), marker_names_(std::move(marker_names)) {}
+  Printer(bool json, std::vector<std::string> marker_names, double unknown_threshold)
+      : json_(json),
+        marker_names_(std::move(marker_names)),
+        unknown_threshold_(unknown_threshold) {}
 
   void Print(const v1::PredictResponse& prediction) {
     if (json_) {
       PrintJson(prediction);
     } else {
-      PrintText((first_ ? "" : "\n") + PredictionText(prediction, marker_names_));
+      PrintText((first_ ? "" : "\n") +
+                PredictionText(prediction, marker_names_, unknown_threshold_));
     }
     first_ = false;
   }
@@ -283,6 +288,7 @@ class Printer {
  private:
   const bool json_;
   const std::vector<std::string> marker_names_;
+  const double unknown_threshold_;
   bool first_ = true;
 };
 
@@ -297,7 +303,7 @@ absl::Status Run(const PredictOptions& options, const GlobalOptions& global) {
     if (!names.ok()) return names.status();
     marker_names = *std::move(names);
   }
-  Printer printer(global.json, std::move(marker_names));
+  Printer printer(global.json, std::move(marker_names), options.unknown_threshold);
   if (options.every_seconds) {
     v1::PredictSeriesRequest series;
     *series.mutable_prediction() = std::move(request);

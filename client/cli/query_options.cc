@@ -40,7 +40,7 @@ void AddMethodOption(CLI::App& command, v1::Method& method) {
 void AddUnknownThresholdOption(CLI::App& command, double& threshold) {
   command
       .add_option("--unknown-threshold", threshold,
-                  "Call windows unknown whose probability of unknown motion is greater; does not "
+                  "Call motion unknown if its probability of unknown motion is greater; does not "
                   "change the output of --json")
       ->type_name("P")
       ->check(CLI::Range(0.0, 1.0))

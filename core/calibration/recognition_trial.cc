@@ -64,19 +64,22 @@ struct TrialResults {
 // Recognizes parts of a clip with the model without the clips of LeftOutWith.
 class HeldOutClip {
  public:
-  HeldOutClip(const Model& model, const std::vector<std::string>& labels, int clip)
+  // `with_unknown`: also collect UnknownTrials.
+  HeldOutClip(const Model& model, const std::vector<std::string>& labels, int clip,
+              bool with_unknown)
       : model_(model),
         labels_(labels),
         clip_(clip),
+        with_unknown_(with_unknown),
         left_out_(LeftOutWith(model, clip)),
         left_out_with_label_(left_out_),
         clips_of_label_(labels.size()) {
     const std::string& label = model.clips()[clip].label;
-    label_ = LabelIndex(clip);
+    label_ = LabelIndex(model, labels, clip);
     for (std::size_t c = 0; c < left_out_.size(); ++c) {
       if (left_out_[c]) continue;
       has_clips_ = true;
-      ++clips_of_label_[LabelIndex(static_cast<int>(c))];
+      ++clips_of_label_[LabelIndex(model, labels, static_cast<int>(c))];
       if (model.clips()[c].label == label) {
         left_out_with_label_[c] = true;
       } else {
@@ -97,6 +100,7 @@ class HeldOutClip {
       const std::vector<int> compared = ComparedFrames(first, width, stride, false);
       const auto alignment = AlignWindow(model_, *observation, compared, left_out_, false, {});
       Add(*alignment, results);
+      if (!with_unknown_) continue;
       AddKnown(*alignment, results);
       if (other_clips_ == 0) continue;
       WindowAlignment others = WithoutLabel(*alignment);
@@ -128,6 +132,7 @@ class HeldOutClip {
     model_.scale().Apply(beginnings.newest);
     const std::vector<WindowAlignment> alignments = AlignBeginnings(model_, beginnings, left_out_);
     for (const WindowAlignment& alignment : alignments) Add(alignment, results);
+    if (!with_unknown_) return results;
 
     std::vector<WindowAlignment> others;
     others.reserve(alignments.size());
@@ -151,11 +156,6 @@ class HeldOutClip {
     if (!has_label_) return;
     results.samples.push_back(
         {LabelEvidence(model_, labels_, alignment.clips), label_, alignment.frames});
-  }
-
-  std::size_t LabelIndex(int clip) const {
-    const auto at = std::lower_bound(labels_.begin(), labels_.end(), model_.clips()[clip].label);
-    return static_cast<std::size_t>(at - labels_.begin());
   }
 
   // Removes the clips of the label. The evidence of the others does not change.
@@ -185,21 +185,22 @@ class HeldOutClip {
   void AddKnown(const WindowAlignment& alignment, TrialResults& results) const {
     if (!has_label_) return;
     std::vector<double> evidence = EvidenceOf(alignment, false);
-    const double own_fit = evidence[label_] / alignment.frames;
+    const double own_fit = FitWithoutNoise(evidence[label_], alignment);
     results.unknown.push_back({{false, clip_, label_, {}, own_fit},
                                std::move(evidence),
-                               {{}, alignment.frames, alignment.energy, 0}});
+                               {{}, alignment.frames, alignment.energy, alignment.noise, 0}});
   }
 
   void AddUnknown(const WindowAlignment& others, TrialResults& results) const {
     results.unknown.push_back({{true, clip_, label_, {}, 0},
                                EvidenceOf(others, true),
-                               {{}, others.frames, others.energy, 0}});
+                               {{}, others.frames, others.energy, others.noise, 0}});
   }
 
   const Model& model_;
   const std::vector<std::string>& labels_;
   const int clip_;
+  const bool with_unknown_;
   const std::vector<bool> left_out_;
   std::vector<bool> left_out_with_label_;
   std::vector<int> clips_of_label_;  // that remain in the model
@@ -256,6 +257,8 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   RecognitionCalibration calibration;
   if (model.metric().empty()) return calibration;
   const std::vector<std::string> labels = Labels(model);
+  calibration.unknown = CanCalibrateUnknown(model, labels.size());
+  const bool with_unknown = calibration.unknown == UnknownCalibration::kFitted;
   const std::vector<int> clips = SampleClips(model, kMaxRecognizedClips);
   const auto count = static_cast<int>(clips.size());
   const int windows_per_clip = std::max(1, kMaxWindows / count);
@@ -267,7 +270,7 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   std::vector<TrialResults> windows(clips.size());
   std::vector<TrialResults> whole(clips.size());
   const auto run_trial = [&](int i) {
-    const HeldOutClip held_out(model, labels, clips[i]);
+    const HeldOutClip held_out(model, labels, clips[i], with_unknown);
     const StateSequence motion = StoredMotion(model, clips[i]);
     const int frames = motion.frame_count();
     const int width = std::min(frames, full_width);
@@ -287,8 +290,6 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     windows[0].Append(windows[i]);
     whole[0].Append(whole[i]);
   }
-  calibration.unknown = CanCalibrateUnknown(model, labels.size());
-  const bool with_unknown = calibration.unknown == UnknownCalibration::kFitted;
   Fit(labels, std::move(windows[0]), {1}, with_unknown, calibration.window);
   Fit(labels, std::move(whole[0]), {std::begin(kPowers), std::end(kPowers)}, with_unknown,
       calibration.whole);

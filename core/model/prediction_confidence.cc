@@ -37,6 +37,10 @@ ExpectedError EstimateError(const ErrorModel& model, const PredictionEvidence& e
 
 }  // namespace
 
+bool PredictionConfidence::IsBeyond(double seconds) const {
+  return !models.empty() && seconds > models.back().seconds + 1e-6;
+}
+
 ExpectedError PredictionConfidence::Judge(const PredictionEvidence& evidence, double at_seconds,
                                           double limit) const {
   if (models.empty()) return {0, std::clamp(1 - evidence.variance, 0.0, 1.0)};

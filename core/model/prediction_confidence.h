@@ -32,6 +32,8 @@ struct ExpectedError {
 struct PredictionConfidence {
   std::vector<ErrorModel> models;  // horizons ascending; empty if there were too few samples
 
+  // Returns whether a horizon is longer than those of the error models. False without any.
+  bool IsBeyond(double seconds) const;
   // Returns the expected error, interpolated between horizons and constant outside them. Without
   // error models: error 0 (unknown) and probability 1 - variance, not calibrated.
   ExpectedError Judge(const PredictionEvidence& evidence, double at_seconds, double limit) const;

@@ -134,4 +134,10 @@ PoseAtStart FindPoseAtStart(const MarkerSet& set, const MarkerMotion& motion, do
   return {pose, end};
 }
 
+void ReplacePoseAtStart(const MarkerSet& set, double leg_length_m, MarkerMotion& motion) {
+  const int count = FindPoseAtStart(set, motion, leg_length_m).frame_count;
+  if (count == 0) return;
+  motion.positions_m.topRows(count).rowwise() = motion.positions_m.row(count).eval();
+}
+
 }  // namespace motiondb::core

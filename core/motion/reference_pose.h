@@ -20,4 +20,8 @@ struct PoseAtStart {
 // lacks joints.
 PoseAtStart FindPoseAtStart(const MarkerSet& set, const MarkerMotion& motion, double leg_length_m);
 
+// Replaces a reference pose at the start by the first frame after it, so that the times of the
+// other frames do not change.
+void ReplacePoseAtStart(const MarkerSet& set, double leg_length_m, MarkerMotion& motion);
+
 }  // namespace motiondb::core

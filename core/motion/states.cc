@@ -290,6 +290,9 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   if (cleaning) {
     MOTIONDB_ASSIGN_OR_RETURN(
         glitches, CleanMotion(*cleaning, scheme.set, origin, leg_length_m, mapped, found));
+  } else if (const auto leg = leg_length_m ? *leg_length_m : EstimateLegLength(scheme.set, mapped);
+             leg.ok()) {
+    ReplacePoseAtStart(scheme.set, *leg, mapped);
   }
   MOTIONDB_RETURN_IF_ERROR(CheckPositions(origin, mapped));
   if (cleaning) {

@@ -86,7 +86,8 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
                                             std::optional<double> leg_length_m = std::nullopt);
 
 // How Represent cleans a motion. Stored clips have no gaps, and glitches only if the database keeps
-// them. Observations are not cleaned: they keep NaN, which emission ignores.
+// them. Observations keep NaN, which emission ignores, and the times of their frames: only a
+// reference pose at the start is replaced (ReplacePoseAtStart).
 using Cleaning = std::optional<GlitchPolicy>;
 inline constexpr Cleaning kObservation = std::nullopt;
 

@@ -31,6 +31,12 @@ void MetricWindow::Make(const ObservedStates& states, std::int64_t frame, Metric
                made.projected.data());
   made.squared_norm = made.projected.squaredNorm();
   made.nearest = -1;
+  made.has_near = false;
+}
+
+void MetricWindow::FindNear(MetricFrame& made) {
+  made.has_near = true;
+  made.near.clear();
   if (ListsAll(static_cast<int>(model_.clips().size()))) return;
   const ClipIndex& index = model_.clip_index();
   distances_.noalias() = made.projected.transpose() * index.means().transpose();
@@ -40,13 +46,20 @@ void MetricWindow::Make(const ObservedStates& states, std::int64_t frame, Metric
   finder_.Find(distances_, made.near);
 }
 
-const MetricFrame& MetricWindow::At(const ObservedStates& states, std::int64_t frame) {
+const MetricFrame& MetricWindow::Projected(const ObservedStates& states, std::int64_t frame) {
   MetricFrame& kept = frames_[Place(frame)];
   const std::int64_t version = 2 * frame + (frame + 1 < states.next() ? 1 : 0);
   if (kept.version != version) {
     Make(states, frame, kept);
     kept.version = version;
   }
+  return kept;
+}
+
+const MetricFrame& MetricWindow::At(const ObservedStates& states, std::int64_t frame) {
+  Projected(states, frame);
+  MetricFrame& kept = frames_[Place(frame)];
+  if (!kept.has_near) FindNear(kept);
   return kept;
 }
 

@@ -18,6 +18,7 @@ class Model;
 struct MetricFrame {
   // Version of its input: it is recomputed when the frame is finished.
   std::int64_t version = -1;
+  bool has_near = false;          // `near` has been found
   FrameMatrix state;              // 1 x D, scaled; missing values are filled in
   Eigen::VectorXf projected;      // K
   float squared_norm = 0;         // of `projected`
@@ -31,7 +32,10 @@ class MetricWindow {
   // The model must have a metric and outlive this object. `window_frames`: maximum length.
   MetricWindow(const Model& model, int window_frames);
 
-  // Returns a frame of the window that ends with the newest of `states`.
+  // Returns a frame of the window that ends with the newest of `states`; without `near`, unless it
+  // was found before.
+  const MetricFrame& Projected(const ObservedStates& states, std::int64_t frame);
+  // Returns the same with `near`.
   const MetricFrame& At(const ObservedStates& states, std::int64_t frame);
   // Returns a frame that At has returned before.
   const MetricFrame& Kept(std::int64_t frame) const { return frames_[Place(frame)]; }
@@ -45,6 +49,7 @@ class MetricWindow {
     return static_cast<std::size_t>(frame) % frames_.size();
   }
   void Make(const ObservedStates& states, std::int64_t frame, MetricFrame& made);
+  void FindNear(MetricFrame& made);
 
   const Model& model_;
   NearClipFinder finder_;

@@ -11,6 +11,7 @@
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/clip_generation.h"
 #include "core/recognition/metric_observation.h"
+#include "core/recognition/noise_energy.h"
 #include "core/recognition/unknown.h"
 #include "core/recognition/window_alignment.h"
 
@@ -28,9 +29,8 @@ WindowRecognizer::WindowRecognizer(const Model& model, int window_frames, double
       transition_floor_(transition_floor),
       labels_(Labels(model)),
       ranking_(static_cast<int>(model.clips().size())) {
-  for (const ModelClip& clip : model.clips()) {
-    const auto at = std::lower_bound(labels_.begin(), labels_.end(), clip.label);
-    label_of_clip_.push_back(static_cast<int>(at - labels_.begin()));
+  for (int c = 0; c < static_cast<int>(model.clips().size()); ++c) {
+    label_of_clip_.push_back(static_cast<int>(LabelIndex(model, labels_, c)));
   }
   if (!model.metric().empty()) window_.emplace(model, window_frames);
   clips_.reserve(kKeptClips);
@@ -167,6 +167,15 @@ double WindowRecognizer::Energy() const {
   return sum / static_cast<double>(frames_.size());
 }
 
+double WindowRecognizer::Noise(const ObservedStates& states) {
+  const std::int64_t newest = frames_.back();
+  before_newest_.resize(newest - frames_.front(), model_.metric().projection.cols());
+  for (Eigen::Index f = 0; f < before_newest_.rows(); ++f) {
+    before_newest_.row(f) = window_->Projected(states, frames_.front() + f).projected.transpose();
+  }
+  return NoiseEnergy(before_newest_);
+}
+
 double WindowRecognizer::FamiliarityScore() {
   double sum = 0;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -184,7 +193,10 @@ absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Recognize(const Obser
   ChooseFrames(states);
   MOTIONDB_RETURN_IF_ERROR(CompareClips(states, cancelled));
   const AnswerCalibration& calibration = model_.recognition().window;
-  WindowAlignment alignment{DecisiveClips(), static_cast<int>(frames_.size()), Energy(), 0};
+  const WindowAlignment alignment{.clips = DecisiveClips(),
+                                  .frames = static_cast<int>(frames_.size()),
+                                  .energy = Energy(),
+                                  .noise = Noise(states)};
   LabelAnswer labels = LabelsOrUnknown(model_, labels_, alignment, calibration);
   Answer answer{std::move(labels.labels), labels.unknown_probability, 0};
   answer.familiarity = calibration.familiarity.empty()

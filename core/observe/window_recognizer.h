@@ -55,6 +55,7 @@ class WindowRecognizer {
   std::vector<ClipEvidence> DecisiveClips();
   double LogEvidence(const CachedClip& clip);
   double Energy() const;
+  double Noise(const ObservedStates& states);
   double FamiliarityScore();
 
   int Width(const ObservedStates& states) const;
@@ -75,6 +76,7 @@ class WindowRecognizer {
   std::vector<int> shortlist_;
   std::vector<const CachedClip*> listed_;
   std::vector<NearestFrame> nearest_;
+  FrameMatrix before_newest_;  // the window in the metric, without its newest frame
   PathSum paths_;
 };
 

@@ -136,6 +136,7 @@ Forecast Forecaster::At(double seconds) {
 
   Forecast forecast;
   forecast.evidence = {.variance = weights_.variance, .speed = speed_};
+  forecast.has_examples = !chosen_.empty();
   double total = 0;
   for (std::size_t e = 0; e < chosen_.size(); ++e) {
     const double weight = weights_.weights[static_cast<Eigen::Index>(e)];

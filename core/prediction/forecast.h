@@ -41,6 +41,7 @@ struct Forecast {
   // Inputs of the error model: the variance of the process, the mean distance of the examples'
   // futures from the forecast, and the mean movement of the markers in the last 0.12 s.
   PredictionEvidence evidence;
+  bool has_examples = false;  // similar stored motion continues that long
 };
 
 class Forecaster {

@@ -14,6 +14,7 @@
 #include "core/motion/floor_origin.h"
 #include "core/motion/states.h"
 #include "core/prediction/forecast.h"
+#include "core/recognition/recognize.h"
 
 namespace motiondb::core {
 namespace {
@@ -144,6 +145,21 @@ absl::StatusOr<Moment> MomentOf(const Model& model, const StateSequence& observa
   return moment;
 }
 
+// Returns Prediction::unknown_probability. `past` ends at the moment.
+absl::StatusOr<std::optional<double>> UnknownProbabilityOf(const Model& model,
+                                                           const StateSequence& past,
+                                                           const Cancelled& cancelled) {
+  if (!model.recognition().window.unknown) return std::nullopt;
+  RecognizeOptions options;
+  options.window_seconds =
+      std::min(options.window_seconds, past.frame_count() / past.frame_rate_hz);
+  const int width = static_cast<int>(std::lround(options.window_seconds * past.frame_rate_hz));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto windows,
+      Recognize(model, PastAt(past, past.frame_count() - 1, width), options, cancelled));
+  return windows.front().unknown_probability;
+}
+
 absl::StatusOr<PathSearch> Search(const Model& model, const Moment& moment,
                                   const PredictOptions& options, const Cancelled& cancelled) {
   NodePathOptions search;
@@ -165,10 +181,14 @@ absl::StatusOr<std::vector<PredictedFrame>> PredictByExamples(
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     const Forecast forecast = forecaster.At(seconds);
     PredictedFrame predicted = InWorld(past, seconds, forecast.positions);
-    const ExpectedError error =
-        model.confidence().Judge(forecast.evidence, seconds, kNear_m / past.leg_length_m);
-    predicted.confidence = error.probability;
-    predicted.expected_error_m = error.mean * past.leg_length_m;
+    const PredictionConfidence& calibration = model.confidence();
+    predicted.extrapolated = !forecast.has_examples || calibration.IsBeyond(seconds);
+    if (!predicted.extrapolated) {
+      const ExpectedError error =
+          calibration.Judge(forecast.evidence, seconds, kNear_m / past.leg_length_m);
+      predicted.confidence = error.probability;
+      if (error.mean > 0) predicted.expected_error_m = error.mean * past.leg_length_m;
+    }
     horizons.push_back(std::move(predicted));
   }
   return horizons;
@@ -223,6 +243,8 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
   MOTIONDB_ASSIGN_OR_RETURN(
       prediction.horizons,
       PredictByExamples(model, past, complete, std::move(now), options, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(prediction.unknown_probability,
+                            UnknownProbabilityOf(model, past, cancelled));
   return prediction;
 }
 

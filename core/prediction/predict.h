@@ -36,8 +36,14 @@ struct NextNode {
 struct PredictedFrame {
   double seconds = 0;
   Eigen::VectorXf marker_positions_m;  // 3 N_v, in world frame and size of the observation
-  double confidence = 0;        // probability that the mean error of the markers is below 5 cm
-  double expected_error_m = 0;  // mean over the markers; 0: unknown
+  // No similar stored motion continues that long, or the horizon is longer than those whose error
+  // was measured on held-out clips.
+  bool extrapolated = false;
+  // Probability that the mean error of the markers is below 5 cm. Absent with kPaper or if
+  // extrapolated.
+  std::optional<double> confidence;
+  // Mean over the markers. Absent if not calibrated, with kPaper or if extrapolated.
+  std::optional<double> expected_error_m;
 };
 
 struct Prediction {
@@ -46,6 +52,10 @@ struct Prediction {
   NodeState state;
   std::vector<NextNode> next_nodes;  // the next different node, most probable first
   std::vector<PredictedFrame> horizons;
+  // Probability that the observed motion has none of the stored labels, so that the prediction
+  // extrapolates: as recognized in the last 0.4 s before the moment, or `history_seconds` if that
+  // is less. Absent with kPaper or if not calibrated.
+  std::optional<double> unknown_probability;
 };
 
 // Predicts from one moment of an observation (not scaled; the model's markers and frame rate).

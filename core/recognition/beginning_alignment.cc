@@ -8,6 +8,7 @@
 #include "core/model/model.h"
 #include "core/recognition/alignment_loops.h"
 #include "core/recognition/clip_alignment.h"
+#include "core/recognition/noise_energy.h"
 #include "core/recognition/shortlist.h"
 #include "core/tree/row_kernels.h"
 
@@ -184,7 +185,8 @@ std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginning
   const auto [frames, shared_count] =
       FramesToCompare(beginnings, FrameStride(model.settings().frame_rate_hz));
   const FrameMatrix shared_states = beginnings.states(frames, Eigen::all);
-  const FrameMatrix shared = Project(model.metric(), shared_states);
+  const FrameMatrix projected = Project(model.metric(), beginnings.states);
+  const FrameMatrix shared = projected(frames, Eigen::all);
   const FrameMatrix newest = Project(model.metric(), beginnings.newest);
 
   std::vector<WindowAlignment> alignments(count);
@@ -195,6 +197,7 @@ std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginning
     observed << shared.topRows(shared_count[b]), newest.row(static_cast<Eigen::Index>(b));
     alignments[b].frames = shared_count[b] + 1;
     alignments[b].energy = observed.rowwise().squaredNorm().mean();
+    alignments[b].noise = NoiseEnergy(projected.topRows(beginnings.lengths[b] - 1));
     nearest[b].assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
     for (const int clip : ShortlistClips(model, nullptr, observed, left_out)) {
       results[clip].push_back({static_cast<int>(b), static_cast<int>(alignments[b].clips.size())});

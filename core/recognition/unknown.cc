@@ -12,6 +12,12 @@ constexpr double kFitBound = 6;
 constexpr double kOddsBound = 4;
 constexpr double kDistanceOfEvidence = 6;  // a log density is -distance / 6 (clip_alignment.h)
 constexpr double kMinDistance = 1e-3;      // a motion compared with itself has evidence about 0
+constexpr double kNoiseError = 0.02;       // relative error of the noise, about its deviation
+
+// Returns the part of a squared distance that is not noise.
+double WithoutNoise(double squared_distance, double noise) {
+  return std::max({kMinDistance, kNoiseError * noise, squared_distance - noise});
+}
 
 double Bounded(double x, double bound) { return x / (1 + std::abs(x) / bound); }
 
@@ -28,14 +34,19 @@ double UnknownProbability(const UnknownModel& model, const std::string& label,
 
 }  // namespace
 
+double FitWithoutNoise(double evidence, const WindowAlignment& alignment) {
+  return -WithoutNoise(-kDistanceOfEvidence * evidence / alignment.frames, alignment.noise) /
+         kDistanceOfEvidence;
+}
+
 BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment,
                         const EvidenceWeight& weight) {
   BestLabel best;
   best.label = static_cast<std::size_t>(std::max_element(evidence.begin(), evidence.end()) -
                                         evidence.begin());
-  best.fit = evidence[best.label] / alignment.frames;
-  best.unexplained = std::log(std::max(kMinDistance, -kDistanceOfEvidence * best.fit) /
-                              std::max(kMinDistance, alignment.energy));
+  best.fit = FitWithoutNoise(evidence[best.label], alignment);
+  best.unexplained =
+      std::log(-kDistanceOfEvidence * best.fit / WithoutNoise(alignment.energy, alignment.noise));
   std::vector<double> others;
   for (std::size_t l = 0; l < evidence.size(); ++l) {
     if (l != best.label && std::isfinite(evidence[l]))

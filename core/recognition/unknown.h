@@ -18,12 +18,16 @@ class Model;
 // What an alignment says about the most probable label.
 struct BestLabel {
   std::size_t label = 0;  // index into the labels
-  double fit = 0;         // log evidence per frame
+  double fit = 0;         // FitWithoutNoise
   // Logarithm of the part of the motion that the label's best clip does not explain: the squared
-  // distance that `fit` amounts to, over the squared distance from the mean pose.
+  // distance that `fit` amounts to, over that from the mean pose, both without noise.
   double unexplained = 0;
   double log_odds = 0;  // against all other labels, with the weight of the evidence
 };
+
+// Returns the log evidence per frame that a label's evidence would be without noise of the
+// observation. Noise adds the same amount to the squared distances from all motion.
+double FitWithoutNoise(double evidence, const WindowAlignment& alignment);
 
 // `evidence`: LabelEvidence of at least one label; -infinity for a label that has no clips.
 BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment,

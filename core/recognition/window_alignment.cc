@@ -8,6 +8,7 @@
 
 #include "core/inference/lattice.h"
 #include "core/recognition/clip_alignment.h"
+#include "core/recognition/noise_energy.h"
 #include "core/recognition/shortlist.h"
 #include "core/tree/row_kernels.h"
 
@@ -98,6 +99,8 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
   WindowAlignment window;
   window.frames = static_cast<int>(compared.size());
   window.energy = observed.rowwise().squaredNorm().mean();
+  window.noise = NoiseEnergy(
+      observation.projected.middleRows(compared.front(), compared.back() - compared.front()));
   for (const int clip : ShortlistClips(model, observation.own.get(), observed, left_out)) {
     const double log_evidence =
         observation.own == nullptr
@@ -151,15 +154,18 @@ std::vector<std::string> Labels(const Model& model) {
   return {labels.begin(), labels.end()};
 }
 
+std::size_t LabelIndex(const Model& model, const std::vector<std::string>& labels, int clip) {
+  const auto at = std::ranges::lower_bound(labels, model.clips()[clip].label);
+  return static_cast<std::size_t>(at - labels.begin());
+}
+
 std::vector<double> LabelEvidence(const Model& model, const std::vector<std::string>& labels,
                                   const std::vector<ClipEvidence>& clips) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   std::vector<double> evidence(labels.size(), kNone);
   double lowest = -kNone;
   for (const ClipEvidence& clip : clips) {
-    const auto label =
-        std::lower_bound(labels.begin(), labels.end(), model.clips()[clip.clip].label);
-    double& of_label = evidence[static_cast<std::size_t>(label - labels.begin())];
+    double& of_label = evidence[LabelIndex(model, labels, clip.clip)];
     of_label = std::max(of_label, clip.log_evidence);
     lowest = std::min(lowest, clip.log_evidence);
   }

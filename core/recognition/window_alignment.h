@@ -22,6 +22,7 @@ struct WindowAlignment {
   std::vector<ClipEvidence> clips;  // in descending order of evidence
   int frames = 0;                   // number of compared frames
   double energy = 0;  // mean over the frames of the squared distance from the metric's mean
+  double noise = 0;   // part of each frame's squared distances that is noise (noise_energy.h)
   // Similarity to the stored clips: negative logarithm of the mean, over frames and dimensions, of
   // the squared whitened difference from the nearest stored motion (NearestState).
   double familiarity_score = 0;
@@ -54,6 +55,8 @@ std::vector<LabelScore> LabelsByGeneration(const Model& model, const std::vector
 
 // Returns the distinct labels of a model's clips, in alphabetical order.
 std::vector<std::string> Labels(const Model& model);
+// Returns the index of a clip's label in Labels(model).
+std::size_t LabelIndex(const Model& model, const std::vector<std::string>& labels, int clip);
 
 // Returns for each label the evidence of its best aligned clip. A label without an aligned clip
 // gets the lowest evidence of the aligned clips, because the shortlist may have missed it.

@@ -46,7 +46,7 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             ParseObservation("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, query.Predict(observation, options));
-  SetPrediction(prediction, database, query.model(), options.method, response);
+  SetPrediction(prediction, database, query.model(), response);
   response.set_calibration(CalibrationOf(*query.snapshot()));
   return absl::OkStatus();
 }
@@ -62,11 +62,10 @@ absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
       const auto observation,
       ParseObservation("prediction.observation", first.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto series, query.PredictSeries(observation, options));
-  return [series, database, method = options.prediction.method](
-             v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
+  return [series, database](v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
     MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, series->Next());
     if (!prediction.has_value()) return false;
-    SetPrediction(*prediction, database, series->model(), method, *message.mutable_prediction());
+    SetPrediction(*prediction, database, series->model(), *message.mutable_prediction());
     message.mutable_prediction()->set_calibration(CalibrationOf(series->snapshot()));
     return true;
   };

@@ -108,7 +108,7 @@ void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& messag
   SetLabels(observed.labels, top_count, *message.mutable_labels());
   if (observed.unknown_probability) message.set_unknown_probability(*observed.unknown_probability);
   message.set_familiarity(observed.familiarity);
-  SetHorizons(observed.horizons, true, *message.mutable_horizons());
+  SetHorizons(observed.horizons, *message.mutable_horizons());
 }
 
 void SetMarkers(const core::MarkerMotion& motion, v1::MarkerObservation& message) {

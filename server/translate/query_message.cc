@@ -40,7 +40,7 @@ void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
   }
 }
 
-void SetHorizons(const std::vector<core::PredictedFrame>& frames, bool has_confidence,
+void SetHorizons(const std::vector<core::PredictedFrame>& frames,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages) {
   for (const core::PredictedFrame& frame : frames) {
     v1::PredictedFrame& to = *messages.Add();
@@ -49,8 +49,9 @@ void SetHorizons(const std::vector<core::PredictedFrame>& frames, bool has_confi
     AppendPacked(positions.data(), static_cast<std::size_t>(positions.size()),
                  *to.mutable_marker_positions());
     to.set_marker_count(static_cast<int>(positions.size() / 3));
-    if (has_confidence) to.set_confidence(frame.confidence);
-    if (frame.expected_error_m > 0) to.set_expected_error_m(frame.expected_error_m);
+    if (frame.confidence) to.set_confidence(*frame.confidence);
+    if (frame.expected_error_m) to.set_expected_error_m(*frame.expected_error_m);
+    to.set_extrapolated(frame.extrapolated);
   }
 }
 
@@ -113,7 +114,7 @@ void SetEstimation(const core::Estimation& estimation, const core::Model& model,
 }
 
 void SetPrediction(const core::Prediction& prediction, const std::string& database,
-                   const core::Model& model, core::Method method, v1::PredictResponse& message) {
+                   const core::Model& model, v1::PredictResponse& message) {
   message.set_at_seconds(prediction.at_seconds);
   message.set_layer(prediction.layer);
   SetState(prediction.state, *message.mutable_state());
@@ -123,7 +124,10 @@ void SetPrediction(const core::Prediction& prediction, const std::string& databa
     to.set_probability(next.probability);
     for (const int clip : next.clips) to.add_clips(ClipName(database, model.clips()[clip].id));
   }
-  SetHorizons(prediction.horizons, method == core::Method::kBest, *message.mutable_horizons());
+  SetHorizons(prediction.horizons, *message.mutable_horizons());
+  if (prediction.unknown_probability) {
+    message.set_unknown_probability(*prediction.unknown_probability);
+  }
 }
 
 namespace {

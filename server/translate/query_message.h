@@ -40,14 +40,13 @@ void SetEstimation(const core::Estimation& estimation, const core::Model& model,
                    v1::EstimateResponse& message);
 
 void SetPrediction(const core::Prediction& prediction, const std::string& database,
-                   const core::Model& model, core::Method method, v1::PredictResponse& message);
+                   const core::Model& model, v1::PredictResponse& message);
 
 // Common parts of responses. `top_count`: maximum number of labels; 0 means all.
 void SetState(const core::NodeState& state, v1::NodeState& message);
 void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
                google::protobuf::RepeatedPtrField<v1::LabelProbability>& messages);
-// `has_confidence`: false for the paper's method, which has none.
-void SetHorizons(const std::vector<core::PredictedFrame>& frames, bool has_confidence,
+void SetHorizons(const std::vector<core::PredictedFrame>& frames,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages);
 
 // Convert the settings of a query to options of core, with the defaults of core for settings not

@@ -135,7 +135,16 @@ TEST_CASE("PredictionText: positions of the body and the first marker only", "[c
   frame->set_seconds(0.08);
   frame->set_confidence(0.9);
   frame->set_marker_positions(Pack({1, 2, 3, 3, 4, 5}));
-  const std::string text = PredictionText(response, {"root", "head"});
+  const std::string text = PredictionText(response, {"root", "head"}, 0.5);
+  CHECK_THAT(text, !Catch::Contains("extrapolate"));
+  response.set_unknown_probability(0.87);
+  frame = response.add_horizons();
+  frame->set_seconds(3);
+  frame->set_extrapolated(true);
+  const std::string beyond = PredictionText(response, {"root", "head"}, 0.5);
+  CHECK_THAT(beyond, Catch::Contains("unknown 0.87: the motion before that time") &&
+                         Catch::Contains("extrapolated from 3.00 s: no similar stored motion"));
+  CHECK_THAT(PredictionText(response, {"root", "head"}, 0.9), !Catch::Contains("unknown"));
   CHECK_THAT(text, Catch::StartsWith("from 1.20 s"));
   CHECK_THAT(text, Catch::Contains("next node 58  0.61  as in c0 c1 c2 c3 and 2 more"));
   CHECK_THAT(text, Catch::Contains("root x, y, z (m)"));
@@ -180,7 +189,7 @@ TEST_CASE("DescriptionText, RecognitionText, PredictionText: kind of calibration
   CHECK_THAT(RecognitionText(recognition, 0.5), Catch::EndsWith(previous));
   v1::PredictResponse prediction;
   prediction.set_calibration(v1::CALIBRATION_PREVIOUS);
-  CHECK_THAT(PredictionText(prediction, {}), Catch::EndsWith(previous));
+  CHECK_THAT(PredictionText(prediction, {}, 0.5), Catch::EndsWith(previous));
 }
 
 TEST_CASE("DescriptionText, ClipsText: glitch policy and found glitches", "[client][cli]") {

@@ -107,6 +107,9 @@ class PaperDatabases(WithServer):
             label, percent = printed.splitlines()[-1].split(" ")[:2]
             self.assertEqual(label, clip[:-4], "the summary begins with the most frequent answer")
             self.assertGreaterEqual(int(percent), 80)
+            predicted = self.server.ask_one("predict", "three", path, "--at", "0.6")
+            self.assertLess(predicted["unknown_probability"], 0.5)
+            self.assertFalse(any(frame.get("extrapolated") for frame in predicted["horizons"]))
         for clip in ("hopBothLegs1hops_022", "rotateArmsBothBackward1Reps_009"):
             path = f"{of_third}{clip}_120.amc"
             printed = self.server.run("recognize", "three", path).stdout.splitlines()
@@ -123,6 +126,9 @@ class PaperDatabases(WithServer):
             answers = self.server.ask("observe", "three", path)
             self.assertAlmostEqual(sum_of_probabilities(answers[-1]), 1, places=6)
             self.assertGreater(answers[-1]["unknown_probability"], 0.5)
+            predicted = self.server.run("predict", "three", path, "--horizon", "0.4,30").stdout
+            self.assertIn(": the motion before that time is unlike the stored motion", predicted)
+            self.assertIn("extrapolated from 30.00 s: ", predicted)
             observed = self.server.run("observe", "three", path).stdout.splitlines()
             self.assertIn(" s  unknown 0.", observed[-2])  # then the statistics of the replay
 

@@ -7,6 +7,7 @@
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
 #include "core/motion/floor_level.h"
+#include "core/motion/reference_pose.h"
 #include "tests/support/motion_source.h"
 
 namespace motiondb::tests {
@@ -59,7 +60,9 @@ absl::Status Load(const fs::path& path, const core::MarkerScheme& scheme, double
   MOTIONDB_ASSIGN_OR_RETURN(const core::MotionFile file, ReadMotion(path));
   MOTIONDB_ASSIGN_OR_RETURN(clip.markers, core::ApplyScheme(scheme, file.motion));
   MOTIONDB_RETURN_IF_ERROR(core::FillGaps(kMaxGapSeconds, clip.markers).status());
-  core::MoveToFloor(scheme.set, std::nullopt, clip.markers);
+  MOTIONDB_ASSIGN_OR_RETURN(const double leg, core::EstimateLegLength(scheme.set, clip.markers));
+  core::ReplacePoseAtStart(scheme.set, leg, clip.markers);
+  core::MoveToFloor(scheme.set, leg, clip.markers);
   MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerMotion resampled,
                             core::Resample(clip.markers, frame_rate_hz));
   MOTIONDB_ASSIGN_OR_RETURN(clip.states, core::ComputeStates(scheme.set, resampled));

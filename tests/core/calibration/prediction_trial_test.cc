@@ -37,7 +37,7 @@ TEST_CASE("FitPredictionConfidence: expected errors equal those of held-out moti
     options.horizon_seconds = {0.4};
     const auto prediction = core::Predict(calibrated, unseen, options);
     REQUIRE(prediction.ok());
-    expected += prediction->horizons[0].expected_error_m;
+    expected += prediction->horizons[0].expected_error_m.value();
     for (int m = 0; m < kMarkers; ++m) {
       measured += (prediction->horizons[0].marker_positions_m.segment<3>(3 * m).transpose() -
                    world.row(frame + 24).segment<3>(3 * m))

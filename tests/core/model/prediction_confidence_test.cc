@@ -64,6 +64,9 @@ TEST_CASE("PredictionConfidence: interpolates between horizons; uses the varianc
                          2));
   CHECK(confidence.Judge(evidence, 0.05, 0.01).mean == confidence.Judge(evidence, 0.2, 0.01).mean);
   CHECK(confidence.Judge(evidence, 5, 0.01).mean == confidence.Judge(evidence, 0.4, 0.01).mean);
+  CHECK_FALSE(confidence.IsBeyond(0.4));
+  CHECK(confidence.IsBeyond(0.41));
+  CHECK_FALSE(core::PredictionConfidence().IsBeyond(5));
   const core::ExpectedError unknown = core::PredictionConfidence().Judge(evidence, 0.3, 0.01);
   CHECK(unknown.mean == 0);
   CHECK(unknown.probability == Approx(0.9));

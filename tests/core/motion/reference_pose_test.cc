@@ -79,6 +79,19 @@ TEST_CASE("FindPoseAtStart: a T-pose or A-pose of one frame or several", "[core]
   }
 }
 
+TEST_CASE("ReplacePoseAtStart: by the first frame after it; other frames stay", "[core][motion]") {
+  const core::MarkerMotion posed = Held(Pose(90 * kDegree), 3);
+  core::MarkerMotion motion = posed;
+  core::ReplacePoseAtStart(Set(), kLeg_m, motion);
+  const auto equal = [](const Eigen::RowVectorXf& a, const Eigen::RowVectorXf& b) {
+    return ((a - b).array() == 0 || (a.array().isNaN() && b.array().isNaN())).all();
+  };
+  REQUIRE(motion.positions_m.rows() == posed.positions_m.rows());
+  for (Eigen::Index t = 0; t < posed.positions_m.rows(); ++t) {
+    CHECK(equal(motion.positions_m.row(t), posed.positions_m.row(std::max<Eigen::Index>(3, t))));
+  }
+}
+
 TEST_CASE("FindPoseAtStart: frames that a filter made of the jump", "[core][motion]") {
   core::MarkerMotion motion = Held(Pose(90 * kDegree), 8);
   const double elevations[] = {70, 45, 25, 16, 12.5};  // after frame 2

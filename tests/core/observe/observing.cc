@@ -48,7 +48,9 @@ void CheckSame(const core::Observed& a, const core::Observed& b) {
   for (std::size_t h = 0; h < a.horizons.size(); ++h) {
     CHECK(a.horizons[h].seconds == b.horizons[h].seconds);
     CHECK((a.horizons[h].marker_positions_m - b.horizons[h].marker_positions_m).norm() < 1e-4);
-    CHECK(a.horizons[h].confidence == Approx(b.horizons[h].confidence).margin(1e-4));
+    CHECK(a.horizons[h].extrapolated == b.horizons[h].extrapolated);
+    CHECK(a.horizons[h].confidence.value_or(-1) ==
+          Approx(b.horizons[h].confidence.value_or(-1)).margin(1e-4));
   }
 }
 

@@ -1,9 +1,11 @@
 #include "core/prediction/predict.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/prediction/forecast.h"
+#include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests::predict_test {
@@ -173,6 +175,50 @@ TEST_CASE("PredictFrames: equals the horizons of Predict", "[core][prediction]")
   CHECK(absl::IsOutOfRange(core::PredictFrames(model, whole, missing).status()));
 }
 
+TEST_CASE("Predict: reports horizons that stored motion does not reach, without confidence",
+          "[core][prediction]") {
+  const core::Model model = SmallModel(4, 60, 2, 8, 1);
+  const core::StateSequence clip = WanderingClips(4, 60, SmallMarkerSet(2), 1)[0].states;
+  core::PredictOptions options;
+  options.at_seconds = 0.5;
+  options.horizon_seconds = {0.1, 0.4, 5};
+  const auto prediction = core::Predict(model, clip, options);
+  REQUIRE(prediction.ok());
+  for (const core::PredictedFrame& frame : prediction->horizons) {
+    CHECK(frame.extrapolated == (frame.seconds > 1));
+    CHECK(frame.confidence.has_value() == !frame.extrapolated);
+    CHECK_FALSE(frame.expected_error_m.has_value());  // not calibrated
+  }
+}
+
+TEST_CASE("Predict: the unknown probability is that of the last 0.4 s", "[core][prediction]") {
+  core::Model model = SmallModel(4, 60, 2, 8, 1);
+  const core::StateSequence clip = WanderingClips(4, 60, SmallMarkerSet(2), 1)[0].states;
+  core::PredictOptions options;
+  options.at_seconds = 0.5;
+  const auto plain = core::Predict(model, clip, options);
+  REQUIRE(plain.ok());
+  CHECK_FALSE(plain->unknown_probability.has_value());
+
+  core::RecognitionCalibration calibration;
+  calibration.window.unknown = core::UnknownModel{.intercept = 1, .weights = {0.5, -0.5, -0.25}};
+  calibration.unknown = core::UnknownCalibration::kFitted;
+  model.set_recognition(calibration);
+  for (const double history : {0.1, 0.4, 0.5}) {
+    options.history_seconds = history;
+    const auto prediction = core::Predict(model, clip, options);
+    const auto windows = core::Recognize(
+        model, core::PastAt(clip, 30, static_cast<int>(std::lround(60 * std::min(0.4, history)))),
+        {});
+    REQUIRE(prediction.ok());
+    REQUIRE(windows.ok());
+    REQUIRE(prediction->unknown_probability.has_value());
+    CHECK(prediction->unknown_probability == windows->front().unknown_probability);
+  }
+  options.method = core::Method::kPaper;
+  CHECK_FALSE(core::Predict(model, clip, options)->unknown_probability.has_value());
+}
+
 TEST_CASE("Predict: kPaper predicts node means along the graph", "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   const auto built = core::BuildModel({}, set, PeriodicClip(set), core::RunSerially, {});
@@ -187,7 +233,7 @@ TEST_CASE("Predict: kPaper predicts node means along the graph", "[core][predict
   const core::FrameMatrix world = core::WorldPositions(clip);
   for (int h = 0; h < 3; ++h) {
     CHECK(prediction->horizons[h].seconds == options.horizon_seconds[h]);
-    CHECK(prediction->horizons[h].confidence == 0);
+    CHECK_FALSE(prediction->horizons[h].confidence.has_value());
   }
   // Node means only approximate the positions.
   const auto& now = prediction->horizons[2].marker_positions_m;

@@ -40,6 +40,8 @@ void CheckAgainstSeparate(const core::Model& model, const core::Beginnings& begi
         model, *observation, core::ComparedFrames(0, length, stride, true), left_out, true, {});
     REQUIRE(alone.ok());
     CHECK(together[b].frames == alone->frames);
+    CHECK(together[b].energy == Approx(alone->energy));
+    CHECK(together[b].noise == Approx(alone->noise));
     CHECK(together[b].familiarity_score == Approx(alone->familiarity_score).epsilon(1e-4));
     REQUIRE(together[b].clips.size() == alone->clips.size());
     for (std::size_t i = 0; i < alone->clips.size(); ++i) {

@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
-core::WindowAlignment AlignmentOf(int frames, double energy) { return {{}, frames, energy, 0}; }
+core::WindowAlignment AlignmentOf(int frames, double energy, double noise = 0) {
+  return {.frames = frames, .energy = energy, .noise = noise};
+}
 
 core::UnknownModel ModelOfUnknown() {
   return {.intercept = -1,
@@ -50,6 +52,25 @@ TEST_CASE("FindBestLabel: finite for labels without clips, a single label, and e
   CHECK(core::FindBestLabel({kNone, -20}, AlignmentOf(10, 24), {0.5, 1}).log_odds == 0);
   CHECK(core::FindBestLabel({-20}, AlignmentOf(10, 24), {0.5, 1}).log_odds == 0);
   CHECK(std::isfinite(core::FindBestLabel({0.5}, AlignmentOf(1, 0), {1, 1}).unexplained));
+}
+
+TEST_CASE("FindBestLabel: noise that adds to all squared distances has no effect",
+          "[core][recognition]") {
+  const auto best_at = [](double noise) {
+    const double added = 10 * noise / 6;  // evidence of 10 frames
+    return core::FindBestLabel({-40 - added, -20 - added, -60 - added},
+                               AlignmentOf(10, 24 + noise, noise), {0.5, 1});
+  };
+  const core::BestLabel clean = best_at(0);
+  const core::BestLabel noisy = best_at(100);
+  CHECK(noisy.label == clean.label);
+  CHECK(noisy.fit == Approx(clean.fit));
+  CHECK(noisy.unexplained == Approx(clean.unexplained));
+  CHECK(noisy.log_odds == Approx(clean.log_odds));
+  // More noise than distance: all of the motion is explained, up to the error of the noise.
+  const core::BestLabel all = core::FindBestLabel({-20}, AlignmentOf(10, 124, 100), {0.5, 1});
+  CHECK(all.fit == Approx(-2.0 / 6));
+  CHECK(all.unexplained == Approx(std::log(2.0 / 24)));
 }
 
 TEST_CASE("UnknownFeatures: bounded", "[core][recognition]") {

@@ -34,7 +34,7 @@ absl::StatusOr<Forecast> DatabasePredictor::Predict(const core::MarkerMotion& pa
     const core::PredictedFrame& frame = prediction.horizons[h];
     forecast.positions_m.row(static_cast<Eigen::Index>(h)) = frame.marker_positions_m.transpose();
     if (setting_.options.method == core::Method::kBest) {
-      forecast.confidence.push_back(frame.confidence);
+      forecast.confidence.push_back(frame.confidence.value_or(0));
     }
   }
   return forecast;

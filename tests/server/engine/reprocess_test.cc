@@ -64,6 +64,42 @@ TEST_CASE("Reprocess: unchanged clips need no new model", "[server][reprocess]")
   CHECK(ModelIsUpToDate(engine));
 }
 
+TEST_CASE("Start: a model without calibration for unknown motion, of an older version, is rebuilt",
+          "[server][reprocess]") {
+  TestEngine engine;
+  engine.Create("db");
+  IngestBvh(engine, "a", WalkBvh(0));
+  engine.Wait(IngestBvh(engine, "b", WalkBvh(1)));
+  engine.Stop();
+  int version = 0;
+  {
+    const auto store = storage::SqliteMotionStore::Open(engine.store_path());
+    REQUIRE(store.ok());
+    auto model = (*store)->ReadModel("db", core::RunSerially);
+    REQUIRE(model.ok());
+    core::RecognitionCalibration older = model->recognition();
+    older.unknown = core::UnknownCalibration::kNotFitted;
+    older.window.unknown.reset();
+    older.whole.unknown.reset();
+    model->set_recognition(older);
+    const auto put = (*store)->PutModel("db", *model);
+    REQUIRE(put.ok());
+    version = put->version;
+  }
+  engine.Start();
+  AwaitOperations(engine);
+  const auto live = *engine->FindDatabase("db");
+  const auto current = engine->CurrentModel(*live);
+  REQUIRE(current.ok());
+  CHECK((*current)->record.version > version);
+  CHECK((*current)->model.recognition().unknown == core::UnknownCalibration::kOneSubject);
+  // The next start does not build again.
+  const auto operations = OperationCount(engine);
+  engine.Stop();
+  engine.Start();
+  CHECK(OperationCount(engine) == operations);
+}
+
 TEST_CASE("Reprocess: uses the parameters of the ingest", "[server][reprocess]") {
   TestEngine engine;
   const auto live = engine.Create("db");

@@ -42,7 +42,8 @@ std::string OutcomeText(v1::PlanOutcome outcome);
 std::string PlanSummary(const v1::PlanQuality& quality);
 
 // Returns the outcome, the stored segments, a table of quality values with a column for each
-// motion, and the effort of the search.
+// motion, the most slowed parts, efforts and balance of the best motion, and the effort of the
+// search.
 std::string PlanText(const v1::PlanResponse& response);
 
 }  // namespace motiondb::client

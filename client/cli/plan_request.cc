@@ -112,7 +112,21 @@ void AddBodyOptions(CLI::App& command, PlanRequestOptions& options) {
           "the start clip")
       ->type_name("NAME|FILE.urdf");
   command.add_flag("--ignore-joint-limits", options.ignore_joint_limits,
-                   "Allow joint positions beyond their limits");
+                   "Allow joint positions and speeds beyond the limits of the robot");
+  command
+      .add_option(
+          "--speed-limit-scale", options.speed_limit_scale,
+          "Fraction of the robot's limits of joint speed to use; the motion is slowed where "
+          "a joint would be faster")
+      ->type_name("0..1")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  command
+      .add_option(
+          "--max-joint-acceleration", options.max_joint_acceleration,
+          "Maximum acceleration of each joint, for which the motion is slowed; else no limit")
+      ->type_name("RAD/S^2")
+      ->check(PositiveNumber());
   command
       .add_option("--frame-rate", options.frame_rate_hz,
                   "Frame rate of the motion; else the database's")
@@ -229,6 +243,10 @@ absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& 
   request.set_seed(options.seed);
   request.set_alternative_count(options.alternatives);
   request.set_ignore_joint_limits(options.ignore_joint_limits);
+  if (options.speed_limit_scale != 1) request.set_speed_limit_scale(options.speed_limit_scale);
+  if (options.max_joint_acceleration != 0) {
+    request.set_max_joint_acceleration(options.max_joint_acceleration);
+  }
   if (options.frame_rate_hz != 0) request.set_frame_rate_hz(options.frame_rate_hz);
   request.set_method(options.method == "random" ? v1::PLAN_METHOD_RANDOM_SAMPLING
                                                 : v1::PLAN_METHOD_SEGMENT_SEARCH);

@@ -32,6 +32,8 @@ struct PlanRequestOptions {
   int alternatives = 0;
   std::string skeleton;  // a stored skeleton's name, or a URDF file
   bool ignore_joint_limits = false;
+  double speed_limit_scale = 1;
+  double max_joint_acceleration = 0;  // 0: no limit
   double frame_rate_hz = 0;
   std::string method = "segments";
 };

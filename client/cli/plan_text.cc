@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "client/cli/answer_text.h"
@@ -12,6 +13,7 @@ namespace motiondb::client {
 namespace {
 
 constexpr int kShownSegments = 8;
+constexpr std::size_t kShownLimits = 3;
 
 std::string SegmentsText(const v1::PlannedMotion& motion) {
   if (motion.segments_size() == 0) return "";  // made from node means
@@ -58,7 +60,10 @@ const std::vector<QualityRow>& QualityRows() {
       {"peak joint jerk", "rad/s^3",
        [](const auto& q) { return fmt::format("{:.0f}", q.peak_joint_jerk_rad_s3()); }},
       {"joint limits exceeded", "",
-       [](const auto& q) { return fmt::format("{}", q.joint_limit_violations()); }},
+       [](const auto& q) {
+         return fmt::format("{}", q.joint_limit_violations() + q.joint_speed_violations() +
+                                      q.joint_acceleration_violations());
+       }},
       {"marker fit error (rms)", "m",
        [](const auto& q) { return fmt::format("{:.3f}", q.marker_fit_rms_m()); }},
       {"smallest clearance", "m",
@@ -90,6 +95,61 @@ std::string QualityText(const std::vector<const v1::PlannedMotion*>& motions) {
     table.AddRow(row);
   }
   return table.ToString();
+}
+
+// Returns the durations without and with joint limits, and a line for each of the most slowed
+// parts.
+std::string SlowedText(const v1::PlannedMotion& motion) {
+  if (motion.slowed_parts_size() == 0) return "";
+  std::vector<const v1::SlowedPart*> parts;
+  for (const v1::SlowedPart& part : motion.slowed_parts()) parts.push_back(&part);
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const auto* a, const auto* b) { return a->factor() > b->factor(); });
+  std::string text =
+      fmt::format("slowed by joint limits from {:.2f} s to {:.2f} s\n",
+                  motion.quality().stored_duration_seconds(), motion.quality().duration_seconds());
+  for (std::size_t i = 0; i < std::min(parts.size(), kShownLimits); ++i) {
+    const v1::SlowedPart& part = *parts[i];
+    text += fmt::format("  {:.2f} times at {:.2f}-{:.2f} s by the {} of {}\n", part.factor(),
+                        part.start_seconds(), part.end_seconds(),
+                        part.limit() == v1::JOINT_LIMIT_ACCELERATION ? "acceleration" : "speed",
+                        text::DisplayText(part.dof_name()));
+  }
+  if (parts.size() > kShownLimits) {
+    text += fmt::format("  less in {} more parts\n", parts.size() - kShownLimits);
+  }
+  return text;
+}
+
+double ShareOfLimit(const v1::JointEffort& effort) {
+  return effort.has_effort_limit() ? effort.peak_effort() / effort.effort_limit() : 0;
+}
+
+// Returns a line for each of the largest efforts relative to their limits, and one for the balance.
+std::string ForcesText(const v1::PlannedMotion& motion) {
+  std::vector<const v1::JointEffort*> efforts;
+  for (const v1::JointEffort& effort : motion.joint_efforts()) {
+    if (effort.has_effort_limit()) efforts.push_back(&effort);
+  }
+  std::stable_sort(efforts.begin(), efforts.end(), [](const auto* a, const auto* b) {
+    return ShareOfLimit(*a) > ShareOfLimit(*b);
+  });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(efforts.size(), kShownLimits); ++i) {
+    const v1::JointEffort& effort = *efforts[i];
+    text += fmt::format("{} needs an effort of {:.3g} at {:.2f} s, limit {:.3g}\n",
+                        text::DisplayText(effort.dof_name()), effort.peak_effort(),
+                        effort.at_seconds(), effort.effort_limit());
+  }
+  if (motion.has_balance()) {
+    const v1::Balance& balance = motion.balance();
+    text += fmt::format(
+        "zero-moment point {:.3f} m {} the soles at {:.2f} s, outside for {:.2f} of {:.2f} s\n",
+        std::abs(balance.smallest_margin_m()),
+        balance.smallest_margin_m() < 0 ? "outside" : "inside", balance.at_seconds(),
+        balance.outside_seconds(), balance.supported_seconds());
+  }
+  return text;
 }
 
 std::string EffortText(const v1::PlanResponse& response) {
@@ -127,7 +187,7 @@ std::string PlanText(const v1::PlanResponse& response) {
     text += SegmentsText(response.motion());
     std::vector<const v1::PlannedMotion*> motions = {&response.motion()};
     for (const v1::PlannedMotion& other : response.alternatives()) motions.push_back(&other);
-    text += QualityText(motions);
+    text += QualityText(motions) + SlowedText(response.motion()) + ForcesText(response.motion());
   }
   return text + EffortText(response);
 }

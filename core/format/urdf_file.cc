@@ -2,6 +2,7 @@
 
 #include <tinyxml2.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -88,6 +89,7 @@ class UrdfFileReader {
         UrdfLink& link = urdf_.links.emplace_back();
         link.line = element->GetLineNum();
         MOTIONDB_RETURN_IF_ERROR(ReadName(*element, "name", link.name));
+        MOTIONDB_RETURN_IF_ERROR(ReadInertia(*element, link));
       } else if (kind == "joint") {
         MOTIONDB_RETURN_IF_ERROR(ReadJoint(*element));
       }
@@ -179,6 +181,48 @@ class UrdfFileReader {
     return ReadNumbers<3>(element, attribute, {&value.x(), &value.y(), &value.z()});
   }
 
+  // Leaves `value` unchanged without the attribute, and if it is 0, which stands for an unknown
+  // value.
+  absl::Status ReadPositive(const XMLElement& element, const char* attribute,
+                            std::string_view owner, double& value) const {
+    double read = 0;
+    MOTIONDB_RETURN_IF_ERROR(ReadNumbers<1>(element, attribute, {&read}));
+    if (read < 0) {
+      return Error(element, "{}: expected {} >= 0, found {}", owner, attribute, read);
+    }
+    if (read > 0) value = read;
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadInertia(const XMLElement& element, UrdfLink& link) const {
+    const XMLElement* inertial = element.FirstChildElement("inertial");
+    if (inertial == nullptr) return absl::OkStatus();
+    LinkInertia& read = link.inertia;
+    if (const XMLElement* mass = inertial->FirstChildElement("mass")) {
+      const std::string owner = fmt::format("mass of link '{}'", Shown(link.name));
+      MOTIONDB_RETURN_IF_ERROR(ReadPositive(*mass, "value", owner, read.mass_kg));
+    }
+    Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();
+    if (const XMLElement* origin = inertial->FirstChildElement("origin")) {
+      MOTIONDB_RETURN_IF_ERROR(ReadVector(*origin, "xyz", read.centre_m));
+      MOTIONDB_RETURN_IF_ERROR(ReadVector(*origin, "rpy", rpy_rad));
+    }
+    Eigen::Matrix3d& inertia = read.inertia_kg_m2;
+    if (const XMLElement* given = inertial->FirstChildElement("inertia")) {
+      constexpr std::array<const char*, 6> kNames = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+      constexpr std::array<std::pair<int, int>, 6> kPlaces = {
+          {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
+      for (std::size_t i = 0; i < kNames.size(); ++i) {
+        const auto [row, column] = kPlaces[i];
+        MOTIONDB_RETURN_IF_ERROR(ReadNumbers<1>(*given, kNames[i], {&inertia(row, column)}));
+        inertia(column, row) = inertia(row, column);
+      }
+    }
+    const Eigen::Matrix3d turn = FromRollPitchYaw(rpy_rad);
+    inertia = turn * inertia * turn.transpose();
+    return absl::OkStatus();
+  }
+
   absl::Status ReadType(const XMLElement& element, UrdfJoint& joint) const {
     std::string type;
     MOTIONDB_RETURN_IF_ERROR(ReadName(element, "type", type));
@@ -239,13 +283,20 @@ class UrdfFileReader {
   }
 
   absl::Status ReadLimit(const XMLElement& element, UrdfJoint& joint) const {
-    if (joint.type != UrdfJoint::Type::kRevolute && joint.type != UrdfJoint::Type::kPrismatic) {
+    const bool continuous = joint.type == UrdfJoint::Type::kContinuous;
+    if (joint.type != UrdfJoint::Type::kRevolute && joint.type != UrdfJoint::Type::kPrismatic &&
+        !continuous) {
       return absl::OkStatus();
     }
     const XMLElement* limit = element.FirstChildElement("limit");
+    if (limit == nullptr && continuous) return absl::OkStatus();
     if (limit == nullptr) {
       return Error(element, "joint '{}': expected <limit>, found none", Shown(joint.name));
     }
+    const std::string owner = fmt::format("joint '{}'", Shown(joint.name));
+    MOTIONDB_RETURN_IF_ERROR(ReadPositive(*limit, "velocity", owner, joint.max_speed));
+    MOTIONDB_RETURN_IF_ERROR(ReadPositive(*limit, "effort", owner, joint.max_effort));
+    if (continuous) return absl::OkStatus();
     MOTIONDB_RETURN_IF_ERROR(ReadNumbers<1>(*limit, "lower", {&joint.lower}));
     MOTIONDB_RETURN_IF_ERROR(ReadNumbers<1>(*limit, "upper", {&joint.upper}));
     if (joint.lower <= joint.upper) return absl::OkStatus();
@@ -268,6 +319,13 @@ class UrdfFileReader {
 };
 
 }  // namespace
+
+Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
 
 absl::StatusOr<UrdfFile> ReadUrdfFile(SourceFile file) { return UrdfFileReader(file).Read(); }
 

@@ -1,19 +1,22 @@
-// The kinematics in a URDF file: links and joints, unconverted. urdf_reader.h connects them.
+// Links and joints of a URDF file, unconverted. urdf_reader.h connects them.
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
+#include "core/motion/robot_dynamics.h"
 
 namespace motiondb::core {
 
 struct UrdfLink {
   int line = 0;
-  std::string name;  // UTF-8, as all names here
+  std::string name;     // UTF-8, as all names here
+  LinkInertia inertia;  // in the link's frame; mass 0: not given
 };
 
 // The joint's value is multiplier * (the master's value) + offset.
@@ -35,6 +38,9 @@ struct UrdfJoint {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();    // unit length, in the child's frame
   double lower = 0;                                   // rad or m; revolute and prismatic only
   double upper = 0;
+  // Revolute, continuous and prismatic only; infinite: not given, or given as 0.
+  double max_speed = std::numeric_limits<double>::infinity();   // rad/s or m/s
+  double max_effort = std::numeric_limits<double>::infinity();  // N m or N
   std::optional<UrdfMimic> mimic;
 };
 
@@ -44,10 +50,14 @@ struct UrdfFile {
   std::vector<UrdfJoint> joints;
 };
 
+// Returns the rotation of URDF's rpy (rad): roll, pitch and yaw about the parent's fixed x, y and
+// z.
+Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy);
+
 // Reads XML of at most 4 MiB with one <robot>, names, known joint types, finite numbers, nonzero
-// axes and ordered limits; INVALID_ARGUMENT names file, line and the expected content. Ignores
-// everything but kinematics (masses, meshes, transmissions, simulator elements). Rejects a document
-// type, because its entities would not be expanded.
+// axes, ordered limits, and masses, speeds and efforts of at least 0; INVALID_ARGUMENT names file,
+// line and the expected content. Ignores meshes, transmissions and simulator elements. Rejects a
+// document type, because its entities would not be expanded.
 absl::StatusOr<UrdfFile> ReadUrdfFile(SourceFile file);
 
 }  // namespace motiondb::core

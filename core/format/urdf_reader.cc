@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 
@@ -18,13 +19,6 @@ namespace {
 constexpr int kMaxDofs = 300;
 
 using Type = UrdfJoint::Type;
-
-Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy) {
-  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
-          Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
-      .toRotationMatrix();
-}
 
 bool HasOneDof(Type type) {
   return type == Type::kRevolute || type == Type::kContinuous || type == Type::kPrismatic;
@@ -112,7 +106,9 @@ class RobotBuilder {
     report_.unit_provenance = Provenance::kStated;
     report_.up_axis = UpAxis::kZ;
     report_.up_provenance = Provenance::kStated;
-    return UrdfRobot{*std::move(skeleton), std::move(mimics_), std::move(report_)};
+    RobotDynamics dynamics = Dynamics(*skeleton);
+    return UrdfRobot{*std::move(skeleton), std::move(mimics_), std::move(dynamics),
+                     std::move(report_)};
   }
 
  private:
@@ -241,6 +237,8 @@ class RobotBuilder {
       placed_[j] = true;
       const UrdfJoint& urdf = urdf_.joints[j];
       joints_.push_back(ToJoint(urdf, parent));
+      moved_links_.push_back(child_link_[j]);
+      sources_.push_back(j);
       if (urdf.mimic) {
         Hold(joints_.back(), urdf.mimic->offset);
         mimics_.push_back(
@@ -271,7 +269,33 @@ class RobotBuilder {
                                           Shown(base.name), Shown(requested)));
     }
     joints_.push_back(ToJoint(base, -1));
+    moved_links_.push_back(link);
+    sources_.push_back(-1);
     return link;
+  }
+
+  // Returns motors and masses in the order of the skeleton's joints. A mimic joint limits the speed
+  // of its master.
+  RobotDynamics Dynamics(const Skeleton& skeleton) const {
+    RobotDynamics dynamics;
+    dynamics.max_speeds =
+        Eigen::RowVectorXd::Constant(skeleton.dof_count(), std::numeric_limits<double>::infinity());
+    dynamics.max_efforts = dynamics.max_speeds;
+    for (int j = 0; j < skeleton.joint_count(); ++j) {
+      dynamics.links.push_back(urdf_.links[moved_links_[j]].inertia);
+      if (sources_[j] < 0) continue;
+      const UrdfJoint& urdf = urdf_.joints[sources_[j]];
+      const bool mimics = urdf.mimic.has_value();
+      const int joint = mimics ? skeleton.FindJoint(urdf.mimic->master) : j;
+      if (skeleton.joints()[joint].dofs.size() != 1) continue;
+      const int column = skeleton.first_dof(joint);
+      const double ratio = mimics ? std::abs(urdf.mimic->multiplier) : 1;
+      if (ratio > 0) {
+        dynamics.max_speeds[column] = std::min(dynamics.max_speeds[column], urdf.max_speed / ratio);
+      }
+      if (!mimics) dynamics.max_efforts[column] = urdf.max_effort;
+    }
+    return dynamics;
   }
 
   void NoteMimics() {
@@ -295,6 +319,8 @@ class RobotBuilder {
   int root_ = -1;                          // the link without a parent joint
   std::vector<bool> placed_;               // of a joint: in the skeleton or its base
   std::vector<Joint> joints_;
+  std::vector<int> moved_links_;  // of each joint of the skeleton
+  std::vector<int> sources_;      // of each joint of the skeleton: the file's joint; -1: the base
   std::vector<MimicJoint> mimics_;
   SourceReport report_;
 };

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
+#include "core/motion/robot_dynamics.h"
 #include "core/motion/skeleton.h"
 
 namespace motiondb::core {
@@ -23,10 +24,12 @@ struct MimicJoint {
 struct UrdfRobot {
   Skeleton skeleton;
   std::vector<MimicJoint> mimics;  // in the skeleton's order
-  SourceReport report;             // metres and z up, by the format; notes on decisions
+  RobotDynamics dynamics;
+  SourceReport report;  // metres and z up, by the format; notes on decisions
 };
 
-// Reads a robot's kinematics.
+// Reads a robot's kinematics, and its limits of speed and effort and its masses as far as they are
+// given. A speed or an effort of 0 counts as not given.
 //
 // Joint 0 is the floating base. It is named after the root link and has six degrees of freedom:
 // translations along the world's x, y and z, then rotations about z, y and x (yaw, pitch, roll).

@@ -9,6 +9,7 @@
 #include "core/motion/error.h"
 #include "core/planning/root_correction.h"
 #include "core/planning/synthesis.h"
+#include "core/planning/time_stretch.h"
 
 namespace motiondb::core {
 namespace {
@@ -31,28 +32,42 @@ std::vector<double> MarkerWeights(const MarkerSet& set, const Feet& feet) {
   return weights;
 }
 
-// Returns the contacts at another frame rate, by nearest frame.
-ContactMatrix Resampled(const ContactMatrix& contacts, double from_hz, double to_hz,
-                        Eigen::Index frames) {
-  ContactMatrix resampled(frames, contacts.cols());
-  for (Eigen::Index t = 0; t < frames; ++t) {
-    const auto nearest =
-        static_cast<Eigen::Index>(std::llround(static_cast<double>(t) * from_hz / to_hz));
-    resampled.row(t) = contacts.row(std::min(nearest, contacts.rows() - 1));
+// Returns the contacts at places between frames of `contacts`: a marker is in contact between two
+// frames if it is in both.
+ContactMatrix ContactsAt(const ContactMatrix& contacts, const std::vector<double>& places) {
+  constexpr double kRounding = 1e-6;
+  const auto last = static_cast<double>(contacts.rows() - 1);
+  ContactMatrix between(static_cast<Eigen::Index>(places.size()), contacts.cols());
+  for (Eigen::Index t = 0; t < between.rows(); ++t) {
+    const double before = std::clamp(std::floor(places[t] + kRounding), 0.0, last);
+    const double after = std::clamp(std::ceil(places[t] - kRounding), 0.0, last);
+    between.row(t) = contacts.row(static_cast<Eigen::Index>(before)) &&
+                     contacts.row(static_cast<Eigen::Index>(after));
   }
-  return resampled;
+  return between;
 }
 
-// If the end is between two frames, appends it as a last frame, because it was requested.
-void HoldEnd(const MarkerMotion& from, MarkerMotion& resampled) {
-  const Eigen::Index last = resampled.positions_m.rows() - 1;
-  const double cut = static_cast<double>(from.positions_m.rows() - 1) / from.frame_rate_hz -
-                     static_cast<double>(last) / resampled.frame_rate_hz;
-  if (cut * from.frame_rate_hz < 0.5) return;
-  resampled.positions_m.conservativeResize(last + 2, Eigen::NoChange);
-  resampled.positions_m.row(last + 1) = from.positions_m.row(from.positions_m.rows() - 1);
+// Resamples the markers of a motion. If its end is between two frames, appends it as a last frame,
+// because it was requested. Returns the frame of `motion` of each planned frame.
+absl::StatusOr<std::vector<double>> ResampleMarkers(const MarkerMotion& motion, double rate_hz,
+                                                    PlannedMotion& planned) {
+  MOTIONDB_ASSIGN_OR_RETURN(planned.markers, Resample(motion, rate_hz));
+  FrameMatrix& positions_m = planned.markers.positions_m;
+  const double step = motion.frame_rate_hz / rate_hz;
+  const Eigen::Index last = positions_m.rows() - 1;
+  const Eigen::Index end = motion.positions_m.rows() - 1;
+  if (static_cast<double>(end) - static_cast<double>(last) * step >= 0.5) {
+    positions_m.conservativeResize(last + 2, Eigen::NoChange);
+    positions_m.row(last + 1) = motion.positions_m.row(end);
+  }
+  std::vector<double> frames;
+  for (Eigen::Index t = 0; t < positions_m.rows(); ++t) {
+    frames.push_back(std::min(static_cast<double>(t) * step, static_cast<double>(end)));
+  }
+  return frames;
 }
 
+// Solves the joint angles for planned.markers.
 absl::Status SolveJoints(const MarkerScheme& scheme, const Body& body, const PlanProblem& problem,
                          const Cancelled& cancelled, PlannedMotion& planned) {
   const IkOptions options{
@@ -66,11 +81,54 @@ absl::Status SolveJoints(const MarkerScheme& scheme, const Body& body, const Pla
   for (const IkError& error : solved.errors) squared += error.rms_m * error.rms_m;
   planned.quality.marker_fit_rms_m =
       std::sqrt(squared / static_cast<double>(std::max<std::size_t>(1, solved.errors.size())));
-  planned.quality.joint_limit_violations = CountLimitViolations(solved.motion, kLimitTolerance);
-  MOTIONDB_ASSIGN_OR_RETURN(planned.markers,
-                            ApplyScheme(scheme, solved.motion, body.leg_length_m()));
   planned.joints = std::move(solved.motion);
   return absl::OkStatus();
+}
+
+RateLimits LimitsFrom(const PlanProblem& problem, const RobotDynamics* dynamics,
+                      const Skeleton& skeleton) {
+  return LimitRates(skeleton, dynamics, problem.speed_limit_scale,
+                    problem.max_joint_acceleration.value_or(0));
+}
+
+// Solves the joint angles, stretches their time for limits, and counts what is beyond limits.
+// Returns the frame of `motion` of each planned frame.
+absl::StatusOr<std::vector<double>> RetargetToSkeleton(const MarkerScheme& scheme, const Body& body,
+                                                       const PlanProblem& problem,
+                                                       const SynthesisedMotion& motion,
+                                                       double rate_hz, const Cancelled& cancelled,
+                                                       PlannedMotion& planned) {
+  const double model_rate_hz = motion.markers.frame_rate_hz;
+  const Skeleton& skeleton = *body.kinematics()->skeleton();
+  const RobotDynamics* respected = problem.respect_joint_limits ? problem.dynamics.get() : nullptr;
+  const RateLimits limits = LimitsFrom(problem, respected, skeleton);
+  std::vector<double> frames;
+  if (AnyLimit(limits)) {
+    // Poses at a rate that divides the motion; the path through them is smooth, so a higher rate
+    // than the model's has no use.
+    const double last = static_cast<double>(motion.markers.positions_m.rows() - 1);
+    const double intervals = std::ceil(last * std::min(1.0, rate_hz / model_rate_hz));
+    const double pose_rate_hz = model_rate_hz * (intervals / last);
+    MOTIONDB_ASSIGN_OR_RETURN(planned.markers, Resample(motion.markers, pose_rate_hz));
+    MOTIONDB_RETURN_IF_ERROR(SolveJoints(scheme, body, problem, cancelled, planned));
+    StretchedMotion stretched = StretchTime(*body.kinematics(), *planned.joints, limits, rate_hz,
+                                            problem.max_duration_seconds);
+    frames = std::move(stretched.places);
+    for (double& frame : frames) frame *= model_rate_hz / pose_rate_hz;
+    planned.joints = std::move(stretched.motion);
+    planned.slowed = std::move(stretched.slowed);
+    planned.cut = stretched.cut;
+    planned.quality.needed_seconds = stretched.needed_seconds;
+  } else {
+    MOTIONDB_ASSIGN_OR_RETURN(frames, ResampleMarkers(motion.markers, rate_hz, planned));
+    MOTIONDB_RETURN_IF_ERROR(SolveJoints(scheme, body, problem, cancelled, planned));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(planned.markers,
+                            ApplyScheme(scheme, *planned.joints, body.leg_length_m()));
+  planned.quality.joint_limit_violations = CountLimitViolations(*planned.joints, kLimitTolerance);
+  planned.quality.rate_violations = CountRateViolations(
+      *body.kinematics(), *planned.joints, LimitsFrom(problem, problem.dynamics.get(), skeleton));
+  return frames;
 }
 
 void MeasurePath(const PlanProblem& problem, PlannedMotion& planned) {
@@ -95,7 +153,7 @@ void MeasurePath(const PlanProblem& problem, PlannedMotion& planned) {
 void Judge(const PlanProblem& problem, PlannedMotion& planned) {
   const PlanQuality& quality = planned.quality;
   std::string& missing = planned.missing;
-  const auto add = [&](std::string what) {
+  const auto add = [&](const std::string& what) {
     if (!missing.empty()) missing += "; ";
     missing += what;
   };
@@ -112,27 +170,35 @@ void Judge(const PlanProblem& problem, PlannedMotion& planned) {
     add(fmt::format("passes an obstacle at {:.3g} m, expected at least {:.3g}",
                     *quality.smallest_clearance_m, problem.obstacles.clearance_m));
   }
+  if (planned.cut) {
+    add(fmt::format("needs {:.3g} s within the joint limits, expected at most {:.3g}",
+                    quality.needed_seconds, problem.max_duration_seconds));
+  }
   planned.outcome = missing.empty() ? PlanOutcome::kExact : PlanOutcome::kApproximate;
 }
 
 }  // namespace
 
 absl::Status RetargetToBody(const MarkerScheme& scheme, const Body& body,
-                            const PlanProblem& problem, SynthesisedMotion motion,
+                            const PlanProblem& problem, const SynthesisedMotion& motion,
                             const Cancelled& cancelled, PlannedMotion& planned) {
-  const double model_rate = motion.markers.frame_rate_hz;
-  const double rate = problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model_rate;
-  MOTIONDB_ASSIGN_OR_RETURN(planned.markers, Resample(motion.markers, rate));
-  HoldEnd(motion.markers, planned.markers);
+  const double model_rate_hz = motion.markers.frame_rate_hz;
+  const double rate_hz = problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model_rate_hz;
+  planned.quality.recorded_seconds =
+      static_cast<double>(motion.markers.positions_m.rows() - 1) / model_rate_hz;
+  std::vector<double> frames;
   if (body.kinematics()) {
-    MOTIONDB_RETURN_IF_ERROR(SolveJoints(scheme, body, problem, cancelled, planned));
+    MOTIONDB_ASSIGN_OR_RETURN(
+        frames, RetargetToSkeleton(scheme, body, problem, motion, rate_hz, cancelled, planned));
+  } else {
+    MOTIONDB_ASSIGN_OR_RETURN(frames, ResampleMarkers(motion.markers, rate_hz, planned));
   }
   MOTIONDB_ASSIGN_OR_RETURN(planned.root, ReferenceFrames(scheme.set, planned.markers));
   MeasurePath(problem, planned);
-  planned.quality.motion = MeasureQuality(
-      body.feet(), planned.markers,
-      Resampled(motion.contacts, model_rate, rate, planned.markers.positions_m.rows()),
-      body.leg_length_m(), planned.joints ? &*planned.joints : nullptr);
+  planned.contacts = ContactsAt(motion.contacts, frames);
+  planned.quality.motion =
+      MeasureQuality(body.feet(), planned.markers, planned.contacts, body.leg_length_m(),
+                     planned.joints ? &*planned.joints : nullptr);
   Judge(problem, planned);
   return absl::OkStatus();
 }

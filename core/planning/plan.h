@@ -15,9 +15,13 @@
 #include "core/motion/cancellation.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/motion.h"
+#include "core/motion/robot_dynamics.h"
 #include "core/motion/states.h"
+#include "core/planning/contacts.h"
 #include "core/planning/floor.h"
 #include "core/planning/motion_quality.h"
+#include "core/planning/robot_forces.h"
+#include "core/planning/time_stretch.h"
 
 namespace motiondb::core {
 
@@ -44,9 +48,9 @@ struct PlanProblem {
   FloorPose goal;
   double position_tolerance_m = 0.1;
   double heading_tolerance_rad = 0.1;
-  double max_duration_seconds = 30;
-  int coarse_layer = 0;             // 0: the default, about four fifths down the tree
-  std::vector<std::string> labels;  // of the clips to use; empty: all
+  double max_duration_seconds = 30;  // slowed for joint limits, the motion is cut there
+  int coarse_layer = 0;              // 0: the default, about four fifths down the tree
+  std::vector<std::string> labels;   // of the clips to use; empty: all
   Obstacles obstacles;
   PlanMethod method = PlanMethod::kSegmentSearch;
   std::uint32_t seed = 0;
@@ -57,7 +61,13 @@ struct PlanProblem {
   std::shared_ptr<const Skeleton> skeleton;
   // The skeleton's heels and toes are points of flat soles, as in mappings of robots.
   bool flat_soles = false;
-  bool respect_joint_limits = true;
+  bool respect_joint_limits = true;  // of position and speed
+  // The skeleton's limits of speed and effort, and its masses; null: unknown.
+  std::shared_ptr<const RobotDynamics> dynamics;
+  double speed_limit_scale = 1;  // fraction of the limits of speed to use
+  // rad/s^2, or m/s^2 of a translation: of every coordinate of joint_path.h but the root's.
+  // Default: none. Requires a skeleton.
+  std::optional<double> max_joint_acceleration;
   double frame_rate_hz = 0;  // of the answer; 0: the model's
   // Leg length (m) of a plan on markers only; default: that of the start's subject. A skeleton has
   // its own.
@@ -96,13 +106,16 @@ struct PlanQuality {
   // On a skeleton:
   double marker_fit_rms_m = 0;     // synthesised markers to those of the joint angles
   int joint_limit_violations = 0;  // number of angles beyond a limit
+  RateViolations rate_violations;  // of the robot's speeds, scaled, and of the acceleration
+  double recorded_seconds = 0;     // duration before time was stretched for joint limits
+  double needed_seconds = 0;       // duration with stretched time; 0: no limit applies
 };
 
 struct PlannedMotion {
   PlanOutcome outcome = PlanOutcome::kApproximate;
   std::string missing;  // empty if exact
   std::vector<PlayedSegment> segments;
-  // At the model's frame rate, one node for each frame.
+  // At the model's frame rate, one node for each frame before time is stretched.
   int coarse_layer = 0;
   std::vector<std::int32_t> coarse_nodes;
   std::vector<std::int32_t> bottom_nodes;
@@ -110,7 +123,11 @@ struct PlannedMotion {
   RootPath root;         // frames x 3: x, y, heading, of the markers' reference frames
   MarkerMotion markers;  // m, on the plan's floor
   std::optional<JointMotion> joints;
+  ContactMatrix contacts;          // of the body's feet, of the stored frames
+  std::vector<SlowedPart> slowed;  // for joint limits
+  bool cut = false;                // slowed for joint limits, it does not end in time
   PlanQuality quality;
+  std::optional<RobotForces> forces;  // if the robot's masses are known
 };
 
 struct SearchEffort {
@@ -138,8 +155,8 @@ absl::Status CheckObstacles(const Obstacles& obstacles);
 
 // Searches for stored motion from the start to the goal and synthesises one motion from it:
 // segments blended at joins, the end corrected by at most 5 % of the length, standing feet kept in
-// place, joint angles on the skeleton. The outcome is judged on the returned motion. `scheme`, of
-// the model's marker set, maps the skeleton.
+// place, joint angles on the skeleton, slowed for its limits. The outcome is judged on the returned
+// motion. `scheme`, of the model's marker set, maps the skeleton.
 //
 // Deterministic unless time is up. INVALID_ARGUMENT naming the field of the problem that is out of
 // range, unknown or does not fit; NOT_FOUND for an unknown clip; CANCELLED.

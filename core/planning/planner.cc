@@ -194,10 +194,19 @@ class Planner {
       aim.y += aim_.y - aimed.root(last, 1);
       aim.heading += WrapAngle(aim_.heading - aimed.root(last, 2));
       if (!best || Lack(aimed) < Lack(*best)) best = std::move(aimed);
-      if (best->outcome == PlanOutcome::kExact || TimeUp()) break;
+      // A motion that is cut would need another path, not another aim.
+      if (best->outcome == PlanOutcome::kExact || best->cut || TimeUp()) break;
     }
-    answer_.motions.push_back(*std::move(best));
+    Add(*std::move(best));
     return absl::OkStatus();
+  }
+
+  void Add(PlannedMotion motion) {
+    if (motion.joints && problem_.dynamics && problem_.dynamics->has_masses()) {
+      motion.forces =
+          MeasureForces(body_, *problem_.dynamics, *motion.joints, motion.markers, motion.contacts);
+    }
+    answer_.motions.push_back(std::move(motion));
   }
 
   bool TimeUp() const { return control_.time_up && control_.time_up(); }
@@ -214,9 +223,9 @@ class Planner {
   absl::Status Play(const SplicedPath& path, const CorrectedRoot& root, PlannedMotion& planned) {
     planned.quality.correction_m = root.largest_shift_m;
     planned.quality.correction_heading_rad = root.turn_rad;
-    SynthesisedMotion motion = Synthesise(model_, body_, origins_[origin_], path, root.poses);
+    const SynthesisedMotion motion = Synthesise(model_, body_, origins_[origin_], path, root.poses);
     MOTIONDB_ASSIGN_OR_RETURN(planned.bottom_nodes, BottomNodes(motion.markers));
-    return RetargetToBody(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned);
+    return RetargetToBody(scheme_, body_, problem_, motion, control_.cancelled, planned);
   }
 
   // Returns the node path (section IV-A) of the motion itself.
@@ -257,8 +266,8 @@ class Planner {
     planned.coarse_nodes = std::move(path.coarse_nodes);
     planned.bottom_nodes = std::move(path.bottom_nodes);
     MOTIONDB_RETURN_IF_ERROR(
-        RetargetToBody(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned));
-    answer_.motions.push_back(std::move(planned));
+        RetargetToBody(scheme_, body_, problem_, motion, control_.cancelled, planned));
+    Add(std::move(planned));
     return absl::OkStatus();
   }
 
@@ -320,6 +329,10 @@ absl::StatusOr<PlanAnswer> PlanMotion(const Model& model, const MarkerScheme& sc
   }
   MOTIONDB_ASSIGN_OR_RETURN(std::vector<PlanOrigin> origins,
                             FindOrigins(model, problem.start, problem.labels));
+  if (problem.max_joint_acceleration && !problem.skeleton) {
+    return FieldViolation("max_joint_acceleration",
+                          "expected a skeleton or a robot as the body, got markers only");
+  }
   MOTIONDB_ASSIGN_OR_RETURN(Body body, BodyFor(model, scheme, problem, origins.front()));
   return Planner(model, scheme, problem, control, layer, std::move(origins), std::move(body))
       .Plan();

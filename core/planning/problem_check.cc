@@ -15,6 +15,7 @@ constexpr double kMaxGoal_m = 1000;
 constexpr double kMaxHeading = 2 * std::numbers::pi;  // more is usually in degrees
 constexpr double kMaxMotionSeconds = 120;
 constexpr int kMaxAlternatives = 10;
+constexpr double kMaxAcceleration = 1e6;  // rad/s^2 or m/s^2
 // All motions of an answer together: ten alternatives of 120 s at 120 Hz are 158,400.
 constexpr double kMaxFrames = 200'000;
 constexpr std::size_t kShownLabels = 10;
@@ -135,6 +136,11 @@ absl::Status CheckProblem(const Model& model, const PlanProblem& problem) {
   MOTIONDB_RETURN_IF_ERROR(
       CheckBetween("alternative_count", problem.alternative_count, 0, kMaxAlternatives));
   MOTIONDB_RETURN_IF_ERROR(CheckFrames(problem, model.settings().frame_rate_hz));
+  MOTIONDB_RETURN_IF_ERROR(CheckPositive("speed_limit_scale", problem.speed_limit_scale, 1));
+  if (problem.max_joint_acceleration) {
+    MOTIONDB_RETURN_IF_ERROR(
+        CheckPositive("max_joint_acceleration", *problem.max_joint_acceleration, kMaxAcceleration));
+  }
   if (problem.leg_length_m &&
       !(*problem.leg_length_m > 0 && std::isfinite(*problem.leg_length_m))) {
     return FieldViolation("leg_length_m", "expected above 0, got {}", *problem.leg_length_m);

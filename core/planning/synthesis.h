@@ -59,7 +59,7 @@ Eigen::RowVectorXf OnFloor(const Eigen::Ref<const Eigen::RowVectorXf>& positions
 // except the correction. The outcome is kExact or kApproximate, judged on the returned markers.
 // INVALID_ARGUMENT if the body cannot play the motion; CANCELLED.
 absl::Status RetargetToBody(const MarkerScheme& scheme, const Body& body,
-                            const PlanProblem& problem, SynthesisedMotion motion,
+                            const PlanProblem& problem, const SynthesisedMotion& motion,
                             const Cancelled& cancelled, PlannedMotion& planned);
 
 }  // namespace motiondb::core

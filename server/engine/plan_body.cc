@@ -1,3 +1,4 @@
+#include "core/export/motion_writer.h"
 #include "core/kinematics/marker_kinematics.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
@@ -47,9 +48,11 @@ absl::StatusOr<PlanBody> RobotBody(const core::SourceFile& urdf) {
   if (urdf.name.empty()) return FieldViolation("robot.file_name", "is missing");
   auto read = core::ReadUrdf(urdf);
   if (!read.ok()) return AtField("robot.urdf", read.status());
-  return PlanBody{.skeleton = std::make_shared<const core::Skeleton>(std::move(read->skeleton)),
-                  .is_robot = true,
-                  .mimics = std::move(read->mimics)};
+  return PlanBody{
+      .skeleton = std::make_shared<const core::Skeleton>(std::move(read->skeleton)),
+      .is_robot = true,
+      .mimics = std::move(read->mimics),
+      .dynamics = std::make_shared<const core::RobotDynamics>(std::move(read->dynamics))};
 }
 
 absl::StatusOr<PlanBody> BodyOfClip(const std::string& clip, Engine& engine,
@@ -95,6 +98,29 @@ absl::StatusOr<core::Motion> MotionOf(const Query& query, const PlanBody& body) 
   return std::move(read.motion);
 }
 
+// Completes a stored body that is a robot: the URDF of a clip with this skeleton has what the
+// stored skeleton lacks.
+absl::Status AddRobot(const Query& query, PlanBody& body) {
+  if (body.is_robot || body.skeleton == nullptr || !core::IsRobot(*body.skeleton)) {
+    return absl::OkStatus();
+  }
+  storage::MotionStore& store = query.engine().store();
+  const std::string& database = query.database()->name();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto clip, FindClipOf(store, database, body.skeleton_id));
+  if (!clip || clip->format != core::FileFormat::kCsv) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto source, store.ReadClipSource(database, clip->id));
+  MOTIONDB_ASSIGN_OR_RETURN(core::UrdfRobot robot,
+                            core::ReadUrdf({clip->skeleton_file_name, source.skeleton_bytes}));
+  if (robot.skeleton.dof_count() != body.skeleton->dof_count() ||
+      robot.skeleton.joint_count() != body.skeleton->joint_count()) {
+    return absl::OkStatus();
+  }
+  body.is_robot = true;
+  body.mimics = std::move(robot.mimics);
+  body.dynamics = std::make_shared<const core::RobotDynamics>(std::move(robot.dynamics));
+  return absl::OkStatus();
+}
+
 // Returns the scheme with the mapping that the clips of the body have. An automatic one depends on
 // their motion.
 absl::StatusOr<core::MarkerScheme> FitBody(const Query& query, const core::MarkerScheme& scheme,
@@ -135,6 +161,7 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
         field, "expected at most {} joints of {} degrees of freedom in all, got {} of {}",
         kMaxJoints, kMaxDofs, body->skeleton->joint_count(), body->skeleton->dof_count());
   }
+  MOTIONDB_RETURN_IF_ERROR(AddRobot(query, *body));
   auto fitted = FitBody(query, scheme, *body);
   if (!fitted.ok()) return AtField(field, fitted.status());
   body->scheme = *std::move(fitted);

@@ -63,6 +63,7 @@ absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& 
   MOTIONDB_ASSIGN_OR_RETURN(plan.body, FindBody(query, request, start_clip, *scheme));
   problem.skeleton = plan.body.skeleton;
   problem.flat_soles = plan.body.is_robot;
+  problem.dynamics = plan.body.dynamics;
   return plan;
 }
 

@@ -41,8 +41,10 @@ struct PlanBody {
   std::shared_ptr<const core::Skeleton> skeleton;  // null: bare markers
   core::MarkerScheme scheme;                       // the database's, with a mapping of the skeleton
   std::string skeleton_id;                         // empty: not stored
+  // Of a robot: a body read from URDF, in the request or with a stored clip.
   bool is_robot = false;
-  std::vector<core::MimicJoint> mimics;  // of a robot
+  std::vector<core::MimicJoint> mimics;
+  std::shared_ptr<const core::RobotDynamics> dynamics;
 };
 
 // Input of core's search.

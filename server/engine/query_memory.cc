@@ -210,6 +210,7 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
           ? BytesOfStates(problem.start.observation->frame_count(), MarkerCount(model))
           : 0;
   return start + kSearch + model.frame_count() * kStoredFrame + frames * kFrameSynthesis +
+         frames * 3 * 8 * dofs +  // path through the poses, its steps and its samples
          frames * (1 + problem.alternative_count) * (24 + 8 * dofs + 12 * MarkerCount(model));
 }
 

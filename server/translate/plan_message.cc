@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 
 #include "core/export/motion_writer.h"
@@ -58,6 +59,40 @@ void SetQuality(const core::PlanQuality& quality, v1::PlanQuality& message) {
   if (quality.smallest_clearance_m) message.set_smallest_clearance_m(*quality.smallest_clearance_m);
   message.set_joint_limit_violations(quality.joint_limit_violations);
   message.set_marker_fit_rms_m(quality.marker_fit_rms_m);
+  message.set_joint_speed_violations(quality.rate_violations.speeds);
+  message.set_joint_acceleration_violations(quality.rate_violations.accelerations);
+  message.set_stored_duration_seconds(quality.recorded_seconds);
+}
+
+// Sets what joint limits do to the motion, and the efforts that it needs. REQUIRES: the message has
+// its dof_names.
+void SetLimits(const core::PlannedMotion& motion, const core::RobotDynamics* dynamics,
+               v1::PlannedMotion& message) {
+  for (const core::SlowedPart& part : motion.slowed) {
+    v1::SlowedPart& to = *message.add_slowed_parts();
+    to.set_start_seconds(part.start_seconds);
+    to.set_end_seconds(part.end_seconds);
+    to.set_dof_name(message.dof_names(part.limit.coordinate));
+    to.set_limit(part.limit.kind == core::LimitKind::kSpeed ? v1::JOINT_LIMIT_SPEED
+                                                            : v1::JOINT_LIMIT_ACCELERATION);
+    to.set_factor(part.factor);
+  }
+  if (!motion.forces) return;
+  for (const core::PeakEffort& peak : motion.forces->efforts) {
+    v1::JointEffort& to = *message.add_joint_efforts();
+    to.set_dof_name(message.dof_names(peak.coordinate));
+    to.set_peak_effort(peak.effort);
+    to.set_at_seconds(peak.seconds);
+    const double limit = dynamics->max_efforts[peak.coordinate];
+    if (std::isfinite(limit)) to.set_effort_limit(limit);
+  }
+  if (const auto& balance = motion.forces->balance) {
+    v1::Balance& to = *message.mutable_balance();
+    to.set_smallest_margin_m(balance->smallest_margin_m);
+    to.set_at_seconds(balance->seconds);
+    to.set_outside_seconds(balance->outside_seconds);
+    to.set_supported_seconds(balance->supported_seconds);
+  }
 }
 
 void SetFrames(const core::PlannedMotion& motion, v1::PlannedMotion& message) {
@@ -88,8 +123,7 @@ absl::Status SetFile(const core::PlannedMotion& motion, const PlanResult& plan, 
                      v1::MotionFile& message) {
   const core::FileFormat format = plan.file_format.value_or(
       plan.body.is_robot ? core::FileFormat::kCsv : core::FileFormat::kBvh);
-  const bool has_table = format == core::FileFormat::kCsv && motion.joints &&
-                         (plan.body.is_robot || core::IsRobot(*motion.joints->skeleton));
+  const bool has_table = format == core::FileFormat::kCsv && plan.body.is_robot;
   const core::Motion written = motion.joints && (has_table || core::HasJoints(format))
                                    ? core::Motion(*motion.joints)
                                    : core::Motion(motion.markers);
@@ -132,6 +166,7 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
     to.mutable_bottom_node_ids()->Add(motion.bottom_nodes.begin(), motion.bottom_nodes.end());
     SetFrames(motion, to);
     SetQuality(motion.quality, *to.mutable_quality());
+    SetLimits(motion, plan.body.dynamics.get(), to);
     if (!plan.with_files) continue;
     MOTIONDB_RETURN_IF_ERROR(SetFile(motion, plan, number, *to.mutable_file()));
   }
@@ -237,6 +272,10 @@ absl::Status SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
   }
   problem.seed = request.seed();
   problem.respect_joint_limits = !request.ignore_joint_limits();
+  if (request.has_speed_limit_scale()) problem.speed_limit_scale = request.speed_limit_scale();
+  if (request.has_max_joint_acceleration()) {
+    problem.max_joint_acceleration = request.max_joint_acceleration();
+  }
   return absl::OkStatus();
 }
 

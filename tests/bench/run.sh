@@ -28,7 +28,7 @@ declare -A quick_options=(
   [writes]="--clips 60 --frames 30000"
 )
 with_rows=(tree recognize scale extend writes server parse)
-plain=(kinematics plan)
+plain=(kinematics plan robot_plan)
 
 ./deploy/install_packages.sh build test >&2
 cmake --preset release >&2

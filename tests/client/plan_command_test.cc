@@ -100,6 +100,10 @@ TEST_CASE("motiondb plan: options are sent in the request", "[client][cli]") {
                                                      "--skeleton",
                                                      "cmu07",
                                                      "--ignore-joint-limits",
+                                                     "--speed-limit-scale",
+                                                     "0.5",
+                                                     "--max-joint-acceleration",
+                                                     "40",
                                                      "--frame-rate",
                                                      "30",
                                                      "--method",
@@ -129,6 +133,8 @@ TEST_CASE("motiondb plan: options are sent in the request", "[client][cli]") {
   CHECK(request.alternative_count() == 2);
   CHECK(request.skeleton() == "databases/walks/skeletons/cmu07");
   CHECK(request.ignore_joint_limits());
+  CHECK(request.speed_limit_scale() == 0.5);
+  CHECK(request.max_joint_acceleration() == 40);
   CHECK(request.frame_rate_hz() == 30);
   CHECK(request.method() == v1::PLAN_METHOD_RANDOM_SAMPLING);
 }

@@ -24,6 +24,20 @@ SVG = "{http://www.w3.org/2000/svg}"
 FOOT_SLIDE_LIMIT_CM_PER_S = 20  # visible foot skating is faster
 
 
+MAX_ACCELERATION = 50  # rad/s^2
+
+
+def joint_limits(urdf):
+    """Returns {joint: (lower, upper, velocity)} of the moving joints."""
+    limits = {}
+    for joint in xml.etree.ElementTree.parse(urdf).getroot().iter("joint"):
+        limit = joint.find("limit")
+        if joint.get("type") == "revolute" and limit is not None:
+            limits[joint.get("name")] = tuple(float(limit.get(name))
+                                              for name in ("lower", "upper", "velocity"))
+    return limits
+
+
 class PaperDatabase(unittest.TestCase):
     """Queries database 2, which is ingested once."""
 
@@ -167,15 +181,74 @@ class PaperDatabase(unittest.TestCase):
                                  "--out", table, "--frame-rate", "50")
                 self.assert_exact(plan)
                 self.assertLess(plan["leg_length_m"], 0.9)
-                with open(table, encoding="utf-8", newline="") as file:
-                    rows = list(csv.reader(file))
-                self.assertEqual(rows[0][0], "time_s")
-                self.assertIn(joint, rows[0])
-                values = numpy.array(rows[1:], float)
+                names, values = self.read_table(table)
+                self.assertEqual(names[0], "time_s")
+                self.assertIn(joint, names)
                 self.assertEqual(len(values), plan["motion"]["frame_count"])
                 self.assertTrue(numpy.isfinite(values).all())
                 numpy.testing.assert_allclose(numpy.diff(values[:, 0]), 1 / 50, atol=1e-6)
                 self.assertEqual(plan["motion"]["quality"]["joint_limit_violations"], 0)
+
+    def read_table(self, path):
+        """Returns the names of the columns and the values, frames x columns."""
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+        return rows[0], numpy.array(rows[1:], float)
+
+    def assert_within_limits(self, table, urdf, scale=1):
+        """Checks positions, and differences times the frame rate, as a user would."""
+        names, values = self.read_table(table)
+        rate = 1 / (values[1, 0] - values[0, 0])
+        for joint, (lower, upper, velocity) in joint_limits(urdf).items():
+            angles = values[:, names.index(joint)]
+            self.assertGreaterEqual(angles.min(), lower - 1e-6, joint)
+            self.assertLessEqual(angles.max(), upper + 1e-6, joint)
+            speeds = rate * numpy.abs(numpy.diff(angles))
+            self.assertLessEqual(speeds.max(), scale * velocity, joint)
+            accelerations = rate**2 * numpy.abs(numpy.diff(angles, 2))
+            self.assertLessEqual(accelerations.max(), MAX_ACCELERATION, joint)
+
+    def test_robots_stay_within_their_limits(self):
+        for name in ("nao", "simple_humanoid"):
+            with self.subTest(robot=name):
+                urdf = f"{DATA}/robots/{name}.urdf"
+                table = self.path(f"{name}.csv")
+                free = self.plan("1.5,0.2,0", "--skeleton", urdf, "--ignore-joint-limits")
+                plan = self.plan("1.5,0.2,0", "--skeleton", urdf, "--out", table,
+                                 "--speed-limit-scale", "0.8",
+                                 "--max-joint-acceleration", str(MAX_ACCELERATION))
+                self.assert_within_limits(table, urdf, 0.8)
+                self.assertGreater(free["motion"]["quality"]["joint_speed_violations"], 0)
+                motion = plan["motion"]
+                for kind in ("position", "speed", "acceleration"):
+                    field = "joint_limit_violations" if kind == "position" else \
+                        f"joint_{kind}_violations"
+                    self.assertEqual(motion["quality"][field], 0)
+                self.assertGreater(motion["quality"]["duration_seconds"],
+                                   motion["quality"]["stored_duration_seconds"])
+                self.assertEqual({part["limit"] for part in motion["slowed_parts"]},
+                                 {"JOINT_LIMIT_SPEED", "JOINT_LIMIT_ACCELERATION"})
+                for part in motion["slowed_parts"]:
+                    self.assertIn(part["dof_name"], motion["dof_names"])
+                    self.assertLess(part["start_seconds"], part["end_seconds"])
+                    self.assertGreater(part["factor"], 1)
+                self.assertEqual(len(motion["joint_efforts"]), len(motion["dof_names"]) - 6)
+                self.assertLess(motion["balance"]["outside_seconds"],
+                                motion["balance"]["supported_seconds"])
+
+    def test_a_stored_robot_has_the_limits_of_its_urdf(self):
+        urdf = f"{DATA}/robots/simple_humanoid.urdf"
+        table = self.path("walk.csv")
+        self.plan("2,0,0", "--skeleton", urdf, "--out", table)
+        self.server.ask_one("create", "robots")
+        self.server.ask("ingest", "robots", table, "--skeleton", urdf, "--label", "walk")
+        again = self.path("again.csv")
+        plan = self.server.ask_one("plan", "robots", "--goal", "1,0,0", "--tolerance", "1,1",
+                                   "--out", again, "--max-joint-acceleration",
+                                   str(MAX_ACCELERATION))
+        self.assertTrue(plan["skeleton"])
+        self.assert_within_limits(again, urdf)
+        self.assertTrue(plan["motion"]["joint_efforts"])
 
     def test_errors_name_the_wrong_field(self):
         wrong = {
@@ -190,6 +263,8 @@ class PaperDatabase(unittest.TestCase):
             "coarse_layer": ("--layer", "500"),
             "max_duration_seconds": ("--max-duration", "121"),
             "frame_rate_hz": ("--frame-rate", "2000"),
+            "speed_limit_scale": ("--speed-limit-scale", "1.5"),
+            "max_joint_acceleration": ("--max-joint-acceleration", "1e9"),
             "broken.urdf:2": ("--skeleton", self.path("broken.urdf")),
         }
         with open(self.path("broken.urdf"), "w", encoding="utf-8") as file:

@@ -40,6 +40,23 @@ TEST_CASE("ReadUrdf: missing or invalid parts are reported with their line", "[c
              Contains("expected 1 finite number as lower of <limit>, found 'low'"));
 }
 
+TEST_CASE("ReadUrdf: negative or invalid speeds, efforts and masses are refused",
+          "[core][format]") {
+  const char* limit = "<limit lower=\"-0.5\" upper=\"2\" effort=\"1\" velocity=\"1\"/>";
+  CHECK_THAT(ErrorMessageWith(limit, "<limit upper=\"2\" velocity=\"-1\"/>"),
+             Contains("robot.urdf:10: joint 'elbow': expected velocity >= 0, found -1"));
+  CHECK_THAT(ErrorMessageWith(limit, "<limit upper=\"2\" effort=\"-3\"/>"),
+             Contains("joint 'elbow': expected effort >= 0, found -3"));
+  CHECK_THAT(ErrorMessageWith(limit, "<limit upper=\"2\" velocity=\"nan\"/>"),
+             Contains("expected 1 finite number as velocity of <limit>, found 'nan'"));
+  CHECK_THAT(ErrorMessageWith("<mass value=\"1\"/>", "<mass value=\"-2\"/>"),
+             Contains("mass of link 'base': expected value >= 0, found -2"));
+  CHECK_THAT(ErrorMessageWith("<mass value=\"1\"/>", "<inertia ixx=\"one\"/>"),
+             Contains("expected 1 finite number as ixx of <inertia>, found 'one'"));
+  CHECK_THAT(ErrorMessageWith("<mass value=\"1\"/>", "<origin xyz=\"0 0\"/>"),
+             Contains("expected 3 finite numbers as xyz of <origin>"));
+}
+
 TEST_CASE("ReadUrdf: other files are refused", "[core][format]") {
   for (const char* text : {"", "   \n", "hello", "HIERARCHY\nROOT Hips\n{\n", "<", "<robot",
                            "<robot/", "<robot/><", "<robot/>x", "x<robot/>", "<robot/><robot/>",

@@ -89,6 +89,46 @@ TEST_CASE("ReadUrdf: axes, limits and origins", "[core][format]") {
   CHECK(puck[2].axis == -Vector3d::UnitZ());
 }
 
+TEST_CASE("ReadUrdf: speeds, efforts and masses", "[core][format]") {
+  const UrdfRobot robot = GoodRobot(R"(<robot name="r">
+    <link name="base"><inertial><mass value="3"/></inertial></link>
+    <link name="arm"><inertial>
+      <origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><mass value="2"/>
+      <inertia ixx="1" ixy="0.1" ixz="0.2" iyy="4" iyz="0.3" izz="5"/>
+    </inertial></link>
+    <link name="hand"/><link name="wheel"/><link name="finger"/>
+    <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
+      <limit lower="-1" upper="1" velocity="6" effort="30"/></joint>
+    <joint name="wrist" type="fixed"><parent link="arm"/><child link="hand"/>
+      <limit velocity="1" effort="1"/></joint>
+    <joint name="spin" type="continuous"><parent link="hand"/><child link="wheel"/>
+      <limit velocity="0" effort="7"/></joint>
+    <joint name="grip" type="prismatic"><parent link="hand"/><child link="finger"/>
+      <limit lower="0" upper="1" velocity="2"/><mimic joint="shoulder" multiplier="-0.5"/></joint>
+  </robot>)");
+  const core::RobotDynamics& dynamics = robot.dynamics;
+  REQUIRE(robot.skeleton.dof_count() == 6 + 2);
+  REQUIRE(dynamics.max_speeds.size() == 8);
+  REQUIRE(dynamics.links.size() == 5);
+  CHECK(dynamics.max_speeds[5] == kInfinity);  // of the base
+  CHECK(dynamics.max_speeds[6] == 4);          // of the joint that mimics half of it
+  CHECK(dynamics.max_speeds[7] == kInfinity);  // 0: not given
+  CHECK(dynamics.max_efforts[6] == 30);
+  CHECK(dynamics.max_efforts[7] == 7);
+  CHECK(dynamics.has_masses());
+  CHECK(dynamics.links[0].mass_kg == 3);
+  CHECK(dynamics.links[0].inertia_kg_m2.norm() == 0);
+  const core::LinkInertia& arm = dynamics.links[robot.skeleton.FindJoint("shoulder")];
+  CHECK(arm.mass_kg == 2);
+  CHECK(arm.centre_m == Vector3d(1, 2, 3));
+  // A quarter turn about z.
+  Eigen::Matrix3d expected;
+  expected << 4, -0.1, -0.3, -0.1, 1, 0.2, -0.3, 0.2, 5;
+  CHECK((arm.inertia_kg_m2 - expected).norm() < 1e-12);
+  CHECK(dynamics.links[robot.skeleton.FindJoint("wrist")].mass_kg == 0);
+  CHECK_FALSE(GoodRobot("<robot><link name='a'/></robot>").dynamics.has_masses());
+}
+
 TEST_CASE("ReadUrdf: roll, pitch and yaw are about fixed axes, in that order", "[core][format]") {
   const UrdfRobot robot = GoodRobot(
       "<robot><link name='a'/><link name='b'/><joint name='j' type='fixed'><parent link='a'/>"

@@ -67,6 +67,14 @@ TEST_CASE("CheckProblem: each wrong number is named", "[core][planning]") {
     CHECK(RefusedAfter([&](PlanProblem& p) { p.frame_rate_hz = bad; }) == "frame_rate_hz");
     CHECK(RefusedAfter([&](PlanProblem& p) { p.leg_length_m = bad; }) == "leg_length_m");
   }
+  for (const double bad : {kNan, 0.0, -1.0, 1.01}) {
+    CHECK(RefusedAfter([&](PlanProblem& p) { p.speed_limit_scale = bad; }) == "speed_limit_scale");
+  }
+  CHECK(RefusedAfter([](PlanProblem& p) { p.speed_limit_scale = 0.01; }).empty());
+  for (const double bad : {kNan, kInfinity, 0.0, -1.0, 1.1e6}) {
+    CHECK(RefusedAfter([&](PlanProblem& p) { p.max_joint_acceleration = bad; }) ==
+          "max_joint_acceleration");
+  }
   CHECK(RefusedAfter([](PlanProblem& p) { p.max_duration_seconds = 121; }) ==
         "max_duration_seconds");
   CHECK(RefusedAfter([](PlanProblem& p) { p.coarse_layer = -1; }) == "coarse_layer");

@@ -112,6 +112,10 @@ TEST_CASE("Plan: the error names the invalid field", "[server][rpc][plan]") {
     r.set_max_duration_seconds(120);
     r.set_alternative_count(10);
   });
+  expect("speed_limit_scale", [](auto& r) { r.set_speed_limit_scale(0); });
+  expect("speed_limit_scale", [](auto& r) { r.set_speed_limit_scale(1.5); });
+  expect("max_joint_acceleration", [](auto& r) { r.set_max_joint_acceleration(0); });
+  expect("max_joint_acceleration", [](auto& r) { r.set_max_joint_acceleration(kInfinity); });
   expect("method", [](auto& r) { r.set_method(static_cast<v1::PlanMethod>(9)); });
   const std::string labels = expect("labels[1]", [](auto& r) {
     r.add_labels("walk");

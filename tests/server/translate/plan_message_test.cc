@@ -1,6 +1,7 @@
 #include "server/translate/plan_message.h"
 
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "motiondb/v1/plan.pb.h"
 #include "tests/support/synthetic_states.h"
@@ -124,6 +125,47 @@ TEST_CASE("PlanMessage: files have the names of their formats", "[server][transl
   v1::PlanResponse bare;
   REQUIRE(Set(answer, false, bare, body).ok());
   CHECK(!bare.motion().has_file());
+}
+
+TEST_CASE("PlanMessage: joint limits, efforts and balance", "[server][translate]") {
+  PlanBody body{.skeleton = Arm(), .is_robot = true};
+  core::RobotDynamics dynamics;
+  dynamics.max_efforts = Eigen::RowVectorXd::Constant(6, 20);
+  dynamics.max_efforts[3] = std::numeric_limits<double>::infinity();
+  body.dynamics = std::make_shared<core::RobotDynamics>(dynamics);
+  core::PlanAnswer answer;
+  answer.motions = {Motion()};
+  core::PlannedMotion& motion = answer.motions[0];
+  motion.joints = core::JointMotion{body.skeleton, 30, core::JointMatrix::Constant(2, 6, 0.25)};
+  motion.slowed = {{0.5, 0.75, {2, core::LimitKind::kSpeed}, 1.5},
+                   {1, 1.25, {5, core::LimitKind::kAcceleration}, 3}};
+  motion.forces = core::RobotForces{{{2, 25, 0.5}, {3, 1, 0}}, core::Balance{-0.25, 0.5, 1, 2}};
+  motion.quality.rate_violations = {4, 5};
+  motion.quality.recorded_seconds = 6;
+  v1::PlanResponse message;
+  REQUIRE(Set(answer, false, message, body).ok());
+  const v1::PlannedMotion& planned = message.motion();
+  CHECK(planned.quality().joint_speed_violations() == 4);
+  CHECK(planned.quality().joint_acceleration_violations() == 5);
+  CHECK(planned.quality().stored_duration_seconds() == 6);
+  REQUIRE(planned.slowed_parts_size() == 2);
+  CHECK(planned.slowed_parts(0).dof_name() == "elbow");
+  CHECK(planned.slowed_parts(0).limit() == v1::JOINT_LIMIT_SPEED);
+  CHECK(planned.slowed_parts(0).start_seconds() == 0.5);
+  CHECK(planned.slowed_parts(0).end_seconds() == 0.75);
+  CHECK(planned.slowed_parts(0).factor() == 1.5);
+  CHECK(planned.slowed_parts(1).dof_name() == "wrist.rz2");
+  CHECK(planned.slowed_parts(1).limit() == v1::JOINT_LIMIT_ACCELERATION);
+  REQUIRE(planned.joint_efforts_size() == 2);
+  CHECK(planned.joint_efforts(0).dof_name() == "elbow");
+  CHECK(planned.joint_efforts(0).peak_effort() == 25);
+  CHECK(planned.joint_efforts(0).at_seconds() == 0.5);
+  CHECK(planned.joint_efforts(0).effort_limit() == 20);
+  CHECK_FALSE(planned.joint_efforts(1).has_effort_limit());
+  CHECK(planned.balance().smallest_margin_m() == -0.25);
+  CHECK(planned.balance().at_seconds() == 0.5);
+  CHECK(planned.balance().outside_seconds() == 1);
+  CHECK(planned.balance().supported_seconds() == 2);
 }
 
 TEST_CASE("PlanMessage: a cancelled call writes no files", "[server][translate]") {

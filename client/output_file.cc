@@ -128,6 +128,13 @@ absl::StatusOr<OutputFile> OutputFile::Create(const fs::path& path, mode_t mode)
   return file;
 }
 
+absl::StatusOr<OutputFile> OutputFile::CreateReplacing(const fs::path& path) {
+  auto file = Create(path);
+  if (!file.ok()) return file;
+  if (absl::Status replaceable = file->CheckReplaceable(); !replaceable.ok()) return replaceable;
+  return file;
+}
+
 absl::Status OutputFile::Append(std::string_view bytes) {
   buffer_ += bytes;
   return buffer_.size() < kBufferBytes ? absl::OkStatus() : Flush();
@@ -157,13 +164,18 @@ absl::Status OutputFile::Commit(bool replace) {
   return close(std::exchange(descriptor_, -1)) == 0 ? absl::OkStatus() : WriteError();
 }
 
-absl::Status OutputFile::RenameReplacing() {
+absl::Status OutputFile::CheckReplaceable() const {
   struct stat existing {};
-  if (lstat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode) &&
-      !S_ISLNK(existing.st_mode)) {
-    return absl::FailedPreconditionError(fmt::format(
-        "{}: is neither a regular file nor a symbolic link; choose another name", path_.string()));
+  if (lstat(path_.c_str(), &existing) != 0) {
+    return errno == ENOENT ? absl::OkStatus() : WriteError();  // such as a name that is too long
   }
+  if (S_ISREG(existing.st_mode) || S_ISLNK(existing.st_mode)) return absl::OkStatus();
+  return absl::FailedPreconditionError(fmt::format(
+      "{}: is neither a regular file nor a symbolic link; choose another name", path_.string()));
+}
+
+absl::Status OutputFile::RenameReplacing() {
+  if (absl::Status replaceable = CheckReplaceable(); !replaceable.ok()) return replaceable;
   // linkat cannot replace an existing name, but rename can: give the unnamed file a temporary name.
   if (temporary_.empty()) {
     temporary_ = FirstFreeName(path_, [&](const char* name) {
@@ -202,8 +214,16 @@ absl::Status CheckFileNameFromServer(const std::string& name) {
                   name));
 }
 
+absl::Status CheckCanWrite(const std::vector<fs::path>& paths) {
+  for (const fs::path& path : paths) {
+    if (path.empty()) continue;
+    if (const auto file = OutputFile::CreateReplacing(path); !file.ok()) return file.status();
+  }
+  return absl::OkStatus();
+}
+
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
-  auto file = OutputFile::Create(path);
+  auto file = OutputFile::CreateReplacing(path);
   if (!file.ok()) return file.status();
   if (const absl::Status written = file->Append(bytes); !written.ok()) return written;
   return file->Commit(/*replace=*/true);

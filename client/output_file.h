@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -19,6 +20,9 @@ class OutputFile {
  public:
   // `mode`: permissions of the file, reduced by the umask. UNKNOWN: the file cannot be created.
   static absl::StatusOr<OutputFile> Create(const std::filesystem::path& path, mode_t mode = 0666);
+  // As Create, for a file that may replace an existing one. FAILED_PRECONDITION: the name is
+  // neither free nor a regular file nor a symbolic link.
+  static absl::StatusOr<OutputFile> CreateReplacing(const std::filesystem::path& path);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
   ~OutputFile();  // removes the file unless committed
@@ -35,6 +39,7 @@ class OutputFile {
  private:
   OutputFile(std::filesystem::path path, int descriptor, std::string temporary);
   absl::Status WriteError() const;  // UNKNOWN with the text of errno
+  absl::Status CheckReplaceable() const;
   absl::Status RenameReplacing();
   absl::Status RenameIfFree();
 
@@ -47,6 +52,11 @@ class OutputFile {
 // Checks a file name that a server sent. DATA_LOSS: it has a folder or a control character, or
 // begins with '.' or '-'.
 absl::Status CheckFileNameFromServer(const std::string& name);
+
+// Checks that WriteFileAtomically can write files of these names, so that a long computation does
+// not end with that error. Empty names are ignored. UNKNOWN or FAILED_PRECONDITION, with the file
+// name.
+absl::Status CheckCanWrite(const std::vector<std::filesystem::path>& paths);
 
 // Writes a file atomically; replaces an existing one. UNKNOWN, with the file name: it cannot be
 // written; the existing file is unchanged.

@@ -9,10 +9,10 @@
 #include <ctime>
 #include <map>
 
+#include "client/cli/access_text.h"
 #include "client/cli/command.h"
-#include "client/cli/database_text.h"
-#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -20,6 +20,7 @@ namespace motiondb::client {
 namespace {
 
 struct AuditOptions {
+  static constexpr bool kPrintsTable = true;
   int count = 100;
 };
 
@@ -44,7 +45,7 @@ absl::Status Run(const AuditOptions& options, const GlobalOptions& global) {
   if (global.json) {
     for (const v1::AuditEntry& entry : all.entries()) PrintJson(entry);
   } else {
-    PrintText(AuditText(all));
+    PrintTable(AuditTable(all), global.csv, "no entries");
   }
   return absl::OkStatus();
 }
@@ -52,8 +53,9 @@ absl::Status Run(const AuditOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddAuditCommand(CommandLine line) {
-  AddCommand<AuditOptions>(
-      line, "audit", "List changes and backups: who, what, when and from where", Declare, Run);
+  AddCommand<AuditOptions>(line, "audit",
+                           "List changes and backups: who, what, when and from where",
+                           "motiondb audit\nmotiondb audit --count 1000 --csv", Declare, Run);
 }
 
 // motiondb token create|list|revoke.
@@ -67,7 +69,9 @@ struct TokenCreateOptions {
   std::string description;
 };
 
-struct TokenListOptions {};
+struct TokenListOptions {
+  static constexpr bool kPrintsTable = true;
+};
 
 struct TokenRevokeOptions {
   std::string token;
@@ -87,10 +91,18 @@ void DeclareCreate(CLI::App& command, TokenCreateOptions& options) {
       ->type_name("DB");
   const std::map<std::string, double> units = {
       {"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}, {"w", 604800}};
+  const auto has_unit = [](const std::string& text) -> std::string {
+    double number = 0;
+    if (!CLI::detail::lexical_cast(text, number)) return "";
+    return fmt::format("expected a time with a unit (s, m, h, d, w), got {}; did you mean {}d?",
+                       text, text);
+  };
   command
       .add_option("--expires", options.lifetime_seconds, "Lifetime: 30d, 12h, 90m; else unlimited")
       ->type_name("TIME")
+      // The last transformation is applied first.
       ->transform(CLI::AsNumberWithUnit(units, CLI::AsNumberWithUnit::UNIT_REQUIRED, "TIME"))
+      ->transform(CLI::Validator(has_unit, ""))
       ->check(PositiveNumber());
   command.add_option("--description", options.description, "Purpose of the token")
       ->type_name("TEXT");
@@ -129,11 +141,10 @@ absl::Status RunList(const TokenListOptions&, const GlobalOptions& global) {
   if (!client.ok()) return client.status();
   const auto tokens = client->AllTokens();
   if (!tokens.ok()) return tokens.status();
-  if (global.json) {
-    for (const v1::Token& token : *tokens) PrintJson(token);
-  } else {
-    PrintText(TokensText(*tokens, std::time(nullptr)));
-  }
+  PrintItems(
+      *tokens, global,
+      [](const std::vector<v1::Token>& all) { return TokensTable(all, std::time(nullptr)); },
+      "no tokens; create one with `motiondb token create --role ROLE`");
   return absl::OkStatus();
 }
 
@@ -159,16 +170,18 @@ absl::Status RunRevoke(const TokenRevokeOptions& options, const GlobalOptions& g
 }  // namespace
 
 void AddTokenCommand(CommandLine line) {
-  CLI::App* token = line.app.add_subcommand("token", "Create, list or revoke tokens");
-  token->fallthrough();
-  token->require_subcommand(1);
-  const CommandLine inner{*token, line.global, line.chosen};
+  const CommandLine inner =
+      AddCommandGroup(line, "token", "Create, list or revoke tokens",
+                      "motiondb token create --role reader --expires 30d\nmotiondb token list");
   AddCommand<TokenCreateOptions>(inner, "create", "Create a token and print its secret, once",
+                                 "motiondb token create --role reader --expires 30d\n"
+                                 "motiondb token create --role ingester --database walks "
+                                 "--description 'the recording PC'",
                                  DeclareCreate, RunCreate);
-  AddCommand<TokenListOptions>(inner, "list", "List tokens, without their secrets", DeclareList,
-                               RunList);
-  AddCommand<TokenRevokeOptions>(inner, "revoke", "Revoke a token immediately", DeclareRevoke,
-                                 RunRevoke);
+  AddCommand<TokenListOptions>(inner, "list", "List tokens, without their secrets",
+                               "motiondb token list", DeclareList, RunList);
+  AddCommand<TokenRevokeOptions>(inner, "revoke", "Revoke a token immediately",
+                                 "motiondb token revoke 0123456789ab", DeclareRevoke, RunRevoke);
 }
 
 }  // namespace motiondb::client

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <string>
 
-#include "absl/strings/cord.h"
 #include "client/call_failure.h"
 #include "client/input_file.h"
 
@@ -66,9 +65,43 @@ CLI::Validator TimeInSeconds() {
                     [](double number) { return number >= 0.001; });
 }
 
+absl::Status CheckFormat(const GlobalOptions& global, const std::string& command,
+                         bool prints_table) {
+  if (global.csv && global.json) return UsageError("--csv excludes --json");
+  if (!global.csv || prints_table) return absl::OkStatus();
+  return UsageError(fmt::format("--csv: `{}` prints no table", command));
+}
+
+CLI::App& AddNamedCommand(CommandLine line, const std::string& name,
+                          const std::string& description) {
+  CLI::App* const command = line.app.add_subcommand(name, description);
+  command->fallthrough();
+  command->footer("");  // not that of the group
+  return *command;
+}
+
+void AddExamples(CLI::App& command, const std::string& examples) {
+  std::string text = "Examples:\n  " + examples;
+  for (std::size_t end = text.find('\n', text.find('\n') + 1); end != std::string::npos;
+       end = text.find('\n', end + 1)) {
+    text.insert(end + 1, "  ");
+  }
+  const std::string notes = command.get_footer();
+  command.footer(text + (notes.empty() ? "" : "\n\n" + notes));
+}
+
+CommandLine AddCommandGroup(CommandLine line, const std::string& name,
+                            const std::string& description, const std::string& examples) {
+  CLI::App& group = AddNamedCommand(line, name, description);
+  group.require_subcommand(1);
+  AddExamples(group, examples);
+  return {group, line.global, line.chosen};
+}
+
 absl::StatusOr<Client> Connect(const GlobalOptions& global) {
   ClientOptions options;
   options.server = global.server;
+  options.connect_timeout = global.connect_timeout;
   const auto token = ReadToken(global);
   if (!token.ok()) return token.status();
   options.token = *token;
@@ -126,23 +159,6 @@ absl::Status WithConnectAdvice(const absl::Status& status, const GlobalOptions& 
   if (!failure) return status;
   return WithMessage(
       status, fmt::format("{}; {}", std::string(status.message()), Advice(*failure, global)));
-}
-
-namespace {
-
-constexpr absl::string_view kExitCodeUrl = "motiondb/exit-code";
-
-}  // namespace
-
-absl::Status WithExitCode(absl::Status status, int code) {
-  status.SetPayload(kExitCodeUrl, absl::Cord(std::to_string(code)));
-  return status;
-}
-
-int ExitCodeOf(const absl::Status& status) {
-  if (status.ok()) return 0;
-  const auto payload = status.GetPayload(kExitCodeUrl);
-  return payload.has_value() ? std::stoi(std::string(*payload)) : kFailed;
 }
 
 }  // namespace motiondb::client

@@ -5,11 +5,15 @@
 #include <motiondb/client.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/usage/usage_error.h"
 
 namespace motiondb::client {
 
@@ -17,6 +21,9 @@ namespace motiondb::client {
 struct GlobalOptions {
   std::string server = ClientOptions().server;
   bool json = false;
+  bool csv = false;    // only of commands that print a table (kPrintsTable)
+  std::string output;  // file; empty: standard output
+  std::chrono::milliseconds connect_timeout = ClientOptions().connect_timeout;  // not an option
   double timeout_seconds = 600;
   std::string token_file;
   bool use_tls = false;  // without a file: trusts the authorities of the system
@@ -30,18 +37,48 @@ struct CommandLine {
   std::function<absl::Status()>& chosen;
 };
 
-// Adds a command. `declare` binds `Options` to the command line; `run` executes the command.
+// Returns UsageError unless the command prints a table or there is no --csv.
+absl::Status CheckFormat(const GlobalOptions& global, const std::string& command,
+                         bool prints_table);
+
+// Steps of the functions below.
+CLI::App& AddNamedCommand(CommandLine line, const std::string& name,
+                          const std::string& description);
+void AddExamples(CLI::App& command, const std::string& examples);
+
+// Adds a command. `declare(CLI::App&, Options&)` binds `Options` to the command line;
+// `run(const Options&, const GlobalOptions&)` executes the command. `examples` are command lines,
+// one per line. A command whose `Options` has the member `kPrintsTable` accepts --csv.
 template <typename Options>
 void AddCommand(CommandLine line, const std::string& name, const std::string& description,
-                void (*declare)(CLI::App&, Options&),
+                const std::string& examples, void (*declare)(CLI::App&, Options&),
                 absl::Status (*run)(const Options&, const GlobalOptions&)) {
-  CLI::App* command = line.app.add_subcommand(name, description);
-  command->fallthrough();
+  CLI::App& command = AddNamedCommand(line, name, description);
   const auto options = std::make_shared<Options>();
-  declare(*command, *options);
-  command->callback([options, run, &global = line.global, &chosen = line.chosen] {
-    chosen = [options, run, &global] { return run(*options, global); };
+  declare(command, *options);
+  AddExamples(command, examples);
+  command.callback([options, run, &command, &global = line.global, &chosen = line.chosen] {
+    chosen = [options, run, &command, &global] {
+      constexpr bool kHasTable = requires { Options::kPrintsTable; };
+      absl::Status status = CheckFormat(global, CommandLineOf(command), kHasTable);
+      return status.ok() ? run(*options, global) : status;
+    };
   });
+}
+
+// Adds a command that only has commands below it, and returns the line to add them.
+CommandLine AddCommandGroup(CommandLine line, const std::string& name,
+                            const std::string& description, const std::string& examples);
+
+// Prints messages as JSON, one per line, or as a table (PrintTable).
+template <typename Item, typename MakeTable>
+void PrintItems(const std::vector<Item>& items, const GlobalOptions& global, MakeTable make_table,
+                const char* if_empty) {
+  if (global.json) {
+    for (const Item& item : items) PrintJson(item);
+  } else {
+    PrintTable(make_table(items), global.csv, if_empty);
+  }
 }
 
 // Returns whether any option requests TLS.
@@ -83,17 +120,5 @@ void AddVerifyCommand(CommandLine line);
 
 // Appends advice to an error about connecting; returns other errors unchanged.
 absl::Status WithConnectAdvice(const absl::Status& status, const GlobalOptions& global);
-
-// Exit codes of failed commands.
-
-inline constexpr int kFailed = 1;
-inline constexpr int kWrongUsage = 2;
-inline constexpr int kUnreachable = 3;  // of `plan`: the goal is unreachable
-
-// Attaches an exit code to an error.
-absl::Status WithExitCode(absl::Status status, int code);
-
-// Returns 0 for OK, the attached exit code, or kFailed if there is none.
-int ExitCodeOf(const absl::Status& status);
 
 }  // namespace motiondb::client

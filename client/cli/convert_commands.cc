@@ -11,7 +11,7 @@
 #include "client/cli/file_formats.h"
 #include "client/cli/import_request.h"
 #include "client/cli/motion_file.h"
-#include "client/cli/print.h"
+#include "client/cli/terminal/print.h"
 #include "client/output_file.h"
 #include "import/launch.h"
 
@@ -38,10 +38,9 @@ void Declare(CLI::App& command, ConvertOptions& options) {
   command.add_flag("--force", options.force, "Replace OUT if it exists");
   AddSourceOptions(command, options.source);
   command.footer(
-      "Needs no server. Writes metres and z up where the format can state it, otherwise its usual\n"
+      "Needs no server. Writes metres and z up where the format can state it, otherwise its usual "
       "unit and axis. Positions differ by less than 1 mm after reading back; what the format "
-      "cannot\n"
-      "express is printed as lost.");
+      "cannot express is printed as lost.");
 }
 
 // The answer of motiondb-import: a header in one line, then the file.
@@ -100,14 +99,14 @@ absl::Status Run(const ConvertOptions& options, const GlobalOptions& global) {
   const fs::path output = options.output;
   const auto format = WrittenFormat(options.as.empty() ? output.extension().string() : options.as);
   if (!format.ok()) {
-    return WithExitCode(absl::InvalidArgumentError(fmt::format(
-                            "{}: {}", options.output, std::string(format.status().message()))),
-                        kWrongUsage);
+    return UsageError(
+        fmt::format("{}: {}", options.output, std::string(format.status().message())));
   }
   std::error_code ignored;
   if (!options.force && fs::exists(fs::symlink_status(output, ignored))) {
     return absl::AlreadyExistsError(fmt::format("{}: exists; --force replaces it", options.output));
   }
+  if (absl::Status writable = CheckCanWrite({output}); !writable.ok()) return writable;
   auto converted = Convert(options, *format);
   if (!converted.ok()) return converted.status();
   auto file = OutputFile::Create(output);
@@ -125,7 +124,9 @@ absl::Status Run(const ConvertOptions& options, const GlobalOptions& global) {
   return absl::OkStatus();
 }
 
-struct FormatsOptions {};
+struct FormatsOptions {
+  static constexpr bool kPrintsTable = true;
+};
 
 void Declare(CLI::App& command, FormatsOptions&) {
   command.footer(
@@ -146,24 +147,28 @@ absl::Status Run(const FormatsOptions&, const GlobalOptions& global) {
     PrintText(answer);
     return absl::OkStatus();
   }
-  PrintLine("{:<9} {:<18} {:<5} {:<8} {}", "FORMAT", "EXTENSIONS", "READ", "WRITTEN", "CONTENT");
+  Table table({{"FORMAT"}, {"EXTENSIONS"}, {"READ"}, {"WRITTEN"}, {"CONTENT"}});
   for (const ConvertJson& format : formats) {
-    PrintLine("{:<9} {:<18} {:<5} {:<8} {}", format.value("name", ""),
-              format.value("extensions", ""), "yes",
-              format.value("is_written", false) ? "yes" : "-", format.value("description", ""));
+    table.AddRow({format.value("name", ""), format.value("extensions", ""), "yes",
+                  format.value("is_written", false) ? "yes" : "-",
+                  format.value("description", "")});
   }
+  PrintTable(table, global.csv, "no formats");
   return absl::OkStatus();
 }
 
 }  // namespace
 
 void AddConvertCommand(CommandLine line) {
-  AddCommand<ConvertOptions>(line, "convert", "Convert a motion file to another format", Declare,
-                             Run);
+  AddCommand<ConvertOptions>(line, "convert", "Convert a motion file to another format",
+                             "motiondb convert walk.fbx walk.bvh\nmotiondb convert walk.amc "
+                             "walk.npz --skeleton subject.asf",
+                             Declare, Run);
 }
 
 void AddFormatsCommand(CommandLine line) {
-  AddCommand<FormatsOptions>(line, "formats", "List the formats of motion files", Declare, Run);
+  AddCommand<FormatsOptions>(line, "formats", "List the formats of motion files",
+                             "motiondb formats", Declare, Run);
 }
 
 }  // namespace motiondb::client

@@ -11,9 +11,9 @@
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/motion_file.h"
-#include "client/cli/print.h"
 #include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -82,9 +82,11 @@ absl::Status SetMarkerSet(const std::string& given, v1::Database& database) {
   }
   auto text = ReadTextFile(given);
   if (!text.ok()) {
-    return absl::Status(text.status().code(),
-                        fmt::format("--marker-set: expected standard34, source or a file; {}",
-                                    std::string(text.status().message())));
+    const std::string message =
+        fmt::format("--marker-set: expected standard34, source or a file; {}",
+                    std::string(text.status().message()));
+    return absl::IsNotFound(text.status()) ? UsageError(message)
+                                           : absl::Status(text.status().code(), message);
   }
   database.set_marker_set_file(*std::move(text));
   return absl::OkStatus();
@@ -117,7 +119,10 @@ absl::Status Run(const CreateOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddCreateCommand(CommandLine line) {
-  AddCommand<CreateOptions>(line, "create", "Create an empty database", Declare, Run);
+  AddCommand<CreateOptions>(line, "create", "Create an empty database",
+                            "motiondb create walks\n"
+                            "motiondb create robots --frame-rate 120 --marker-set source",
+                            Declare, Run);
 }
 
 // motiondb list [DB]
@@ -125,6 +130,7 @@ void AddCreateCommand(CommandLine line) {
 namespace {
 
 struct ListOptions {
+  static constexpr bool kPrintsTable = true;
   std::string database;
 };
 
@@ -132,32 +138,33 @@ void Declare(CLI::App& command, ListOptions& options) {
   command.add_option("DB", options.database, "Database whose clips are listed; else all databases");
 }
 
-template <typename Item, typename Text>
-absl::Status Print(const absl::StatusOr<std::vector<Item>>& items, bool json, const Text& text) {
-  if (!items.ok()) return items.status();
-  if (json) {
-    for (const Item& item : *items) PrintJson(item);
-  } else {
-    PrintText(text(*items));
-  }
-  return absl::OkStatus();
-}
-
 absl::Status Run(const ListOptions& options, const GlobalOptions& global) {
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
-  if (options.database.empty()) return Print(client->AllDatabases(), global.json, DatabasesText);
+  if (options.database.empty()) {
+    const auto databases = client->AllDatabases();
+    if (!databases.ok()) return databases.status();
+    PrintItems(*databases, global, DatabasesTable,
+               "no databases; create one with `motiondb create DB`");
+    return absl::OkStatus();
+  }
   v1::ListClipsRequest request;
   request.set_parent(DatabaseName(options.database));
   request.set_page_size(1000);
-  return Print(client->AllClips(request), global.json, ClipsText);
+  const auto clips = client->AllClips(request);
+  if (!clips.ok()) return clips.status();
+  PrintItems(*clips, global, ClipsTable, "no clips; add some with `motiondb ingest DB FILE...`");
+  if (!global.json && !global.csv) PrintText(UnderivedText(*clips));
+  return absl::OkStatus();
 }
 
 }  // namespace
 
 void AddListCommand(CommandLine line) {
-  AddCommand<ListOptions>(line, "list", "List all databases, or the clips of a database", Declare,
-                          Run);
+  AddCommand<ListOptions>(line, "list", "List all databases, or the clips of a database",
+                          "motiondb list\n"
+                          "motiondb list walks --csv --output clips.csv",
+                          Declare, Run);
 }
 
 // motiondb describe DB
@@ -193,7 +200,7 @@ absl::Status Run(const DescribeOptions& options, const GlobalOptions& global) {
 
 void AddDescribeCommand(CommandLine line) {
   AddCommand<DescribeOptions>(line, "describe", "Show a database's frames, clips, layers and nodes",
-                              Declare, Run);
+                              "motiondb describe walks", Declare, Run);
 }
 
 // motiondb delete DB [CLIP]
@@ -274,6 +281,8 @@ absl::Status Run(const DeleteOptions& options, const GlobalOptions& global) {
 void AddDeleteCommand(CommandLine line) {
   AddCommand<DeleteOptions>(line, "delete",
                             "Delete a clip and wait for the new model, or delete a whole database",
+                            "motiondb delete walks 07_01\n"
+                            "motiondb delete walks --yes",
                             Declare, Run);
 }
 

@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
-#include <motiondb/v1/access.pb.h>
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/database.pb.h>
-#include <motiondb/v1/operation.pb.h>
 
-#include "absl/status/status.h"
-#include "client/cli/print.h"
+#include <algorithm>
+#include <iterator>
+
 #include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -21,22 +21,39 @@ using google::protobuf::util::TimeUtil;
 
 std::string ModelWord(int version) { return version == 0 ? "none" : std::to_string(version); }
 
-// "own", "previous", "own, one subject": the latter have no probability of unknown motion.
+// A calibration without a probability of unknown motion: its name, the reason, and what to do.
+struct LimitedCalibration {
+  v1::Calibration calibration;
+  const char* name;
+  const char* reason;
+  const char* advice;
+};
+
+constexpr LimitedCalibration kLimitedCalibrations[] = {
+    {v1::CALIBRATION_ONE_CLIP, "own, one clip", "the database has one clip",
+     "ingest clips of other labels and subjects"},
+    {v1::CALIBRATION_ONE_LABEL, "own, one label", "all clips have the same label",
+     "ingest clips of other labels"},
+    {v1::CALIBRATION_ONE_SUBJECT, "own, one subject", "the clips name fewer than two subjects",
+     "ingest clips with --subject"},
+    {v1::CALIBRATION_TOO_FEW_CLIPS, "own, too few clips",
+     "too few clips remain if a subject or a label is held out",
+     "ingest clips of the same labels by other subjects"},
+    {v1::CALIBRATION_OLDER_VERSION, "own, older version", "the model was built by an older version",
+     "run `motiondb reprocess DB`"},
+};
+
+// Returns null if the calibration is not limited.
+const LimitedCalibration* LimitedCalibrationOf(v1::Calibration calibration) {
+  const auto* const found =
+      std::ranges::find(kLimitedCalibrations, calibration, &LimitedCalibration::calibration);
+  return found == std::end(kLimitedCalibrations) ? nullptr : found;
+}
+
+// "own", "previous", "own, one subject".
 std::string CalibrationText(v1::Calibration calibration) {
-  switch (calibration) {
-    case v1::CALIBRATION_ONE_CLIP:
-      return "own, one clip";
-    case v1::CALIBRATION_ONE_LABEL:
-      return "own, one label";
-    case v1::CALIBRATION_ONE_SUBJECT:
-      return "own, one subject";
-    case v1::CALIBRATION_TOO_FEW_CLIPS:
-      return "own, too few clips";
-    case v1::CALIBRATION_OLDER_VERSION:
-      return "own, older version";
-    default:
-      return EnumValueText(v1::Calibration_Name(calibration));
-  }
+  const LimitedCalibration* const limited = LimitedCalibrationOf(calibration);
+  return limited == nullptr ? EnumValueText(v1::Calibration_Name(calibration)) : limited->name;
 }
 
 }  // namespace
@@ -55,28 +72,22 @@ std::string LabelOrPlaceholder(const std::string& label) {
   return label.empty() ? "(no label)" : text::DisplayText(label);
 }
 
-std::string OperationStateText(const v1::Operation& operation) {
-  return EnumValueText(v1::OperationState_Name(operation.state()));
-}
-
-std::string DatabasesText(const std::vector<v1::Database>& databases) {
-  if (databases.empty()) return "no databases; create one with `motiondb create DB`\n";
+Table DatabasesTable(const std::vector<v1::Database>& databases) {
   Table table({{"DATABASE"},
                {"CLIPS", Align::kRight},
                {"FRAMES", Align::kRight},
-               {"RATE", Align::kRight},
+               {"RATE (Hz)", Align::kRight},
                {"MARKERS"},
                {"SCALING"},
                {"MODEL", Align::kRight},
                {"CREATED"}});
   for (const v1::Database& database : databases) {
-    table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
-                  std::to_string(database.frame_count()),
-                  fmt::format("{:g} Hz", database.frame_rate_hz()), database.marker_set(),
+    table.AddRow({ShortName(database.name()), database.clip_count(), database.frame_count(),
+                  fmt::format("{:g}", database.frame_rate_hz()), database.marker_set(),
                   EnumValueText(v1::Scaling_Name(database.scaling())),
                   ModelWord(database.model_version()), TimeText(database.create_time())});
   }
-  return table.ToString();
+  return table;
 }
 
 std::string DatabaseText(const v1::Database& database) {
@@ -94,34 +105,33 @@ std::string DatabaseText(const v1::Database& database) {
   return table.ToString();
 }
 
-std::string ClipsText(const std::vector<v1::Clip>& clips) {
-  if (clips.empty()) return "no clips; add some with `motiondb ingest DB FILE...`\n";
+Table ClipsTable(const std::vector<v1::Clip>& clips) {
   Table table({{"CLIP"},
                {"LABEL"},
                {"SUBJECT"},
                {"FRAMES", Align::kRight},
-               {"LENGTH", Align::kRight},
-               {"LEG", Align::kRight},
-               {"SOURCE RATE", Align::kRight},
+               {"LENGTH (s)", Align::kRight},
+               {"LEG (m)", Align::kRight},
+               {"RATE (Hz)", Align::kRight},
                {"FILE"},
                {"GLITCHES"}});
-  bool any_failed = false;
   for (const v1::Clip& clip : clips) {
-    any_failed = any_failed || !clip.derive_error().empty();
-    table.AddRow(
-        {ShortName(clip.name()), LabelOrPlaceholder(clip.label()), clip.subject(),
-         std::to_string(clip.frame_count()), fmt::format("{:.2f} s", clip.duration_seconds()),
-         fmt::format("{:.3f} m", clip.leg_length_m()),
-         fmt::format("{:g} Hz", clip.source_frame_rate_hz()), clip.file_name(), clip.glitches()});
+    table.AddRow({ShortName(clip.name()), LabelOrPlaceholder(clip.label()), clip.subject(),
+                  clip.frame_count(), Cell(clip.duration_seconds(), 2),
+                  Cell(clip.leg_length_m(), 3), fmt::format("{:g}", clip.source_frame_rate_hz()),
+                  clip.file_name(), clip.glitches()});
   }
-  if (!any_failed) return table.ToString();
-  std::string text = table.ToString() + "\nnot derived again:\n";
+  return table;
+}
+
+std::string UnderivedText(const std::vector<v1::Clip>& clips) {
+  std::string text;
   for (const v1::Clip& clip : clips) {
     if (clip.derive_error().empty()) continue;
     text += fmt::format("  {}: {}\n", text::DisplayText(ShortName(clip.name())),
                         text::DisplayText(clip.derive_error()));
   }
-  return text;
+  return text.empty() ? "" : "\nnot derived again:\n" + text;
 }
 
 std::string IngestedClipText(const v1::Clip& clip) {
@@ -161,24 +171,10 @@ std::string CalibrationNote(v1::Calibration calibration) {
 }
 
 std::string UnknownNote(v1::Calibration calibration) {
-  const auto note = [](const char* reason, const char* advice) {
-    return fmt::format("no probability of unknown motion: {}; {}\n", reason, advice);
-  };
-  switch (calibration) {
-    case v1::CALIBRATION_ONE_CLIP:
-      return note("the database has one clip", "ingest clips of other labels and subjects");
-    case v1::CALIBRATION_ONE_LABEL:
-      return note("all clips have the same label", "ingest clips of other labels");
-    case v1::CALIBRATION_ONE_SUBJECT:
-      return note("the clips name fewer than two subjects", "ingest clips with --subject");
-    case v1::CALIBRATION_TOO_FEW_CLIPS:
-      return note("too few clips remain if a subject or a label is held out",
-                  "ingest clips of the same labels by other subjects");
-    case v1::CALIBRATION_OLDER_VERSION:
-      return note("the model was built by an older version", "run `motiondb reprocess DB`");
-    default:
-      return "";
-  }
+  const LimitedCalibration* const limited = LimitedCalibrationOf(calibration);
+  if (limited == nullptr) return "";
+  return fmt::format("no probability of unknown motion: {}; {}\n", limited->reason,
+                     limited->advice);
 }
 
 std::string DescriptionText(const v1::DatabaseStatistics& description) {
@@ -231,73 +227,6 @@ std::string DescriptionText(const v1::DatabaseStatistics& description) {
     text += "\n" + labels.ToString();
   }
   return text;
-}
-
-std::string OperationsText(const std::vector<v1::Operation>& operations) {
-  if (operations.empty()) return "no operations\n";
-  Table table({{"OPERATION"},
-               {"DATABASE"},
-               {"KIND"},
-               {"STATE"},
-               {"PROGRESS", Align::kRight},
-               {"STAGE"},
-               {"MODEL", Align::kRight},
-               {"CREATED"},
-               {"ERROR"}});
-  for (const v1::Operation& operation : operations) {
-    table.AddRow({ShortName(operation.name()), ShortName(operation.database()),
-                  EnumValueText(v1::OperationKind_Name(operation.kind())),
-                  OperationStateText(operation),
-                  fmt::format("{:.0f} %", operation.progress() * 100), operation.stage(),
-                  ShortName(ModelOf(operation)), TimeText(operation.create_time()),
-                  operation.error().message()});
-  }
-  return table.ToString();
-}
-
-namespace {
-
-std::string DatabaseWord(const v1::Token& token) {
-  return token.database().empty() ? "(all)" : ShortName(token.database());
-}
-
-std::string StateText(const v1::Token& token, std::int64_t now_seconds) {
-  if (token.has_revoke_time()) return "revoked";
-  if (!token.has_expire_time()) return "valid";
-  return token.expire_time().seconds() <= now_seconds ? "expired" : "valid";
-}
-
-}  // namespace
-
-std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_seconds) {
-  if (tokens.empty()) return "no tokens; create one with `motiondb token create --role ROLE`\n";
-  Table table({{"TOKEN"}, {"ROLE"}, {"DATABASE"}, {"STATE"}, {"EXPIRES"}, {"CREATED"}, {"FOR"}});
-  for (const v1::Token& token : tokens) {
-    table.AddRow({ShortName(token.name()), EnumValueText(v1::Role_Name(token.role())),
-                  DatabaseWord(token), StateText(token, now_seconds),
-                  token.has_expire_time() ? TimeText(token.expire_time()) : "never",
-                  TimeText(token.create_time()), token.description()});
-  }
-  return table.ToString();
-}
-
-std::string TokenText(const v1::Token& token) {
-  return fmt::format(
-      "{}: {} of {}, {}", token.name(), EnumValueText(v1::Role_Name(token.role())),
-      token.database().empty() ? "all databases" : token.database(),
-      token.has_expire_time() ? "until " + TimeText(token.expire_time()) : "until it is revoked");
-}
-
-std::string AuditText(const v1::ListAuditEntriesResponse& response) {
-  if (response.entries().empty()) return "no entries\n";
-  Table table({{"TIME"}, {"WHO"}, {"FROM"}, {"CALL"}, {"ON"}, {"ENDED"}, {"REQUEST"}});
-  for (const v1::AuditEntry& entry : response.entries()) {
-    table.AddRow({TimeText(entry.time()), entry.principal(), entry.peer(), entry.method(),
-                  entry.resource(),
-                  absl::StatusCodeToString(static_cast<absl::StatusCode>(entry.code())),
-                  entry.request_id()});
-  }
-  return table.ToString();
 }
 
 }  // namespace motiondb::client

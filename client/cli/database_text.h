@@ -1,4 +1,4 @@
-// Databases, clips, operations, tokens, audit entries and server status as text for the terminal.
+// Databases, clips and server status as text for the terminal.
 #pragma once
 
 #include <google/protobuf/timestamp.pb.h>
@@ -8,18 +8,24 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/terminal/table.h"
+
 namespace motiondb::v1 {
 enum Calibration : int;
 }  // namespace motiondb::v1
 
 namespace motiondb::client {
 
-std::string DatabasesText(const std::vector<v1::Database>& databases);
+Table DatabasesTable(const std::vector<v1::Database>& databases);
 
 // Returns a database and its settings, one per line.
 std::string DatabaseText(const v1::Database& database);
 
-std::string ClipsText(const std::vector<v1::Clip>& clips);
+Table ClipsTable(const std::vector<v1::Clip>& clips);
+
+// Returns why clips could not be derived again, one per line after a heading; empty if there are
+// none.
+std::string UnderivedText(const std::vector<v1::Clip>& clips);
 
 // Returns a line for the clip, then the indented report of the file reader.
 std::string IngestedClipText(const v1::Clip& clip);
@@ -37,11 +43,6 @@ std::string DescriptionText(const v1::DatabaseStatistics& description);
 // Returns the clips that could not be derived again, one per line; empty if there are none.
 std::string UnderivedText(const v1::DatabaseStatistics& description);
 
-std::string OperationsText(const std::vector<v1::Operation>& operations);
-
-// "running", "succeeded", ...
-std::string OperationStateText(const v1::Operation& operation);
-
 // Returns the last word of an enum name in lower case: SCALING_KIND -> "kind".
 std::string EnumValueText(const std::string& enum_name);
 
@@ -51,23 +52,12 @@ std::string TimeText(const google::protobuf::Timestamp& time);
 // Returns the label, or "(no label)" if it is empty.
 std::string LabelOrPlaceholder(const std::string& label);
 
-// `now_seconds`: Unix time, for the state of the tokens.
-std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_seconds);
-
-// Returns name, role, database and expiry of a token in one line.
-std::string TokenText(const v1::Token& token);
-
-std::string AuditText(const v1::ListAuditEntriesResponse& response);
-
 // Returns the state of a server, which fits on one screen. `now_us`: microseconds since the Unix
 // epoch.
 std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t now_us);
 
 // Returns a duration in its two largest units: "12 s", "3 min 4 s", "5 h 0 min", "2 d 7 h".
 std::string DurationText(std::int64_t seconds);
-
-// Returns a duration with three digits: "0.42 ms", "12.5 ms", "3.20 s", "75.0 s".
-std::string LatencyText(double seconds);
 
 // Returns a size in its largest unit: "512 B", "1.5 MiB".
 std::string BytesText(std::int64_t bytes);

@@ -8,9 +8,9 @@
 #include "client/cli/command.h"
 #include "client/cli/file_formats.h"
 #include "client/cli/model_dump.h"
-#include "client/cli/print.h"
-#include "client/cli/progress_bar.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/terminal/progress_bar.h"
 
 namespace motiondb::client {
 
@@ -27,7 +27,7 @@ void Declare(CLI::App& command, DumpOptions& options) {
   command.add_option("DIR", options.directory, "Output folder, created if necessary")->required();
   command.add_flag("--force", options.force, "Replace an earlier dump if the folder is not empty");
   command.footer(
-      "Writes states.npy (frames x dimensions), clip_of_frame.npy, model.json, and for each layer\n"
+      "Writes states.npy (frames x dimensions), clip_of_frame.npy, model.json, and for each layer "
       "layers/LL/{node_of_frame,parent,mean,variance,transitions}.npy (transitions: from, to, "
       "count).");
 }
@@ -59,7 +59,8 @@ absl::Status Run(const DumpOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddDumpCommand(CommandLine line) {
-  AddCommand<DumpOptions>(line, "dump", "Write the model as NumPy files", Declare, Run);
+  AddCommand<DumpOptions>(line, "dump", "Write the model as NumPy files",
+                          "motiondb dump walks model/", Declare, Run);
 }
 
 // motiondb export DB CLIP
@@ -90,15 +91,17 @@ void Declare(CLI::App& command, ExportOptions& options) {
 }
 
 absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
-  const auto client = Connect(global);
-  if (!client.ok()) return client.status();
   v1::ExportClipRequest request;
   request.set_name(ClipName(options.database, options.clip));
   if (!options.as.empty()) {
     const auto format = WrittenFormat(options.as);
-    if (!format.ok()) return WithExitCode(format.status(), kWrongUsage);
+    if (!format.ok()) {
+      return UsageError(fmt::format("--as: {}", std::string(format.status().message())));
+    }
     request.set_format(*format);
   }
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
   const auto header = client->ExportClipToDirectory(request, options.directory, options.force);
   if (!header.ok()) return header.status();
   if (global.json) {
@@ -117,8 +120,10 @@ absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddExportCommand(CommandLine line) {
-  AddCommand<ExportOptions>(line, "export", "Write a clip's original files, or another format",
-                            Declare, Run);
+  AddCommand<ExportOptions>(
+      line, "export", "Write a clip's original files, or another format",
+      "motiondb export walks 07_01 --out recordings/\nmotiondb export walks 07_01 --as glb",
+      Declare, Run);
 }
 
 }  // namespace motiondb::client

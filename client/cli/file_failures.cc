@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "absl/strings/ascii.h"
-#include "client/cli/print.h"
+#include "client/cli/terminal/print.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -82,8 +82,15 @@ std::vector<FailureGroup> GroupByReason(const std::vector<FileFailure>& failures
 
 FileFailure FailureOf(const std::filesystem::path& path, absl::string_view text) {
   const std::string message(text);
-  for (const std::string& name : {path.string(), path.filename().string()}) {
-    if (message.starts_with(name + ":")) return {path, message.substr(name.size())};
+  const std::size_t field_end = message.find_first_not_of("abcdefghijklmnopqrstuvwxyz_.");
+  const bool has_field =
+      field_end > 0 && message.compare(std::min(field_end, message.size()), 2, ": ") == 0;
+  for (const std::size_t begin : {std::size_t{0}, has_field ? field_end + 2 : std::size_t{0}}) {
+    for (const std::string& name : {path.string(), path.filename().string()}) {
+      if (message.compare(begin, name.size() + 1, name + ":") == 0) {
+        return {path, message.substr(begin + name.size())};
+      }
+    }
   }
   return {path, ": " + message};
 }

@@ -16,7 +16,7 @@ struct FileFailure {
 };
 
 // Returns the failure with a message, which may begin with the path or the name of the file, as
-// messages of file readers do.
+// messages of file readers do, also after the field of a request: "file_block: walk.bvh: ...".
 FileFailure FailureOf(const std::filesystem::path& path, absl::string_view text);
 
 // Prints the failures to standard error, those with the same reason together: messages that differ

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -16,10 +15,10 @@
 #include "absl/strings/numbers.h"
 #include "client/call_failure.h"
 #include "client/cli/database_text.h"
-#include "client/cli/print.h"
-#include "client/cli/progress_bar.h"
 #include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/terminal/progress_bar.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -132,7 +131,7 @@ void IngestBatch::Accept(const v1::IngestClipResponse& response) {
   if (settings_.output == IngestOutput::kJson) PrintJson(response);
   if (settings_.output == IngestOutput::kEachClip) PrintText(IngestedClipText(response.clip()));
   // Flushes, so that a script knows the stored clips even if this process is killed.
-  std::fflush(stdout);
+  FlushOutput();
 }
 
 bool IngestBatch::PrintsSummary() const {

@@ -3,7 +3,6 @@
 #include <motiondb/v1/database.pb.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <iostream>
 #include <iterator>
 #include <optional>
@@ -13,8 +12,8 @@
 #include "client/cli/ingest_batch.h"
 #include "client/cli/label_pattern.h"
 #include "client/cli/motion_file.h"
-#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 
 namespace motiondb::client {
 namespace {
@@ -84,11 +83,11 @@ void Declare(CLI::App& command, IngestOptions& options) {
   command.add_flag("--verbose", options.verbose,
                    "Print each clip and the report of its file, also if there are several");
   command.footer(
-      "--label-from '{label}/*' reads the label from the folder; '{subject}_{label}_*' and\n"
-      "'{subject}/{label}/*.bvh' read label and subject. * is any text within a name. A pattern\n"
-      "without a dot in its last name ignores the extension of the file.\n"
-      "Waits for the new model. A file that cannot be ingested does not stop the others; it is\n"
-      "reported at the end, and the exit status is then 1.");
+      "--label-from '{label}/*' reads the label from the folder; '{subject}_{label}_*' and "
+      "'{subject}/{label}/*.bvh' read label and subject. * is any text within a name. A pattern "
+      "without a dot in its last name ignores the extension of the file. Waits for the new model. "
+      "A file that cannot be ingested does not stop the others; it is reported at the end, and the "
+      "exit status is then 1.");
 }
 
 // Sets label and subject from the path, if the list contains no label.
@@ -123,8 +122,7 @@ absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
     if (!listed.ok()) return listed.status();
     std::move(listed->begin(), listed->end(), std::back_inserter(clips));
   }
-  if (clips.empty())
-    return absl::InvalidArgumentError("nothing to ingest; expected files or --list");
+  if (clips.empty()) return UsageError("nothing to ingest; expected files or --list");
   for (ClipEntry& clip : clips) {
     if (pattern) {
       const absl::Status read = ReadLabels(*pattern, options.label_from, clip);
@@ -146,9 +144,7 @@ absl::Status CheckDatabase(const Client& client, const std::string& name) {
 
 absl::Status CheckOutputOptions(const IngestOptions& options, const GlobalOptions& global) {
   if (!options.quiet || (!options.verbose && !global.json)) return absl::OkStatus();
-  return WithExitCode(absl::InvalidArgumentError(fmt::format(
-                          "--quiet excludes {}", options.verbose ? "--verbose" : "--json")),
-                      kWrongUsage);
+  return UsageError(fmt::format("--quiet excludes {}", options.verbose ? "--verbose" : "--json"));
 }
 
 IngestOutput OutputOf(const IngestOptions& options, const GlobalOptions& global,
@@ -174,7 +170,7 @@ absl::Status Run(const IngestOptions& options, const GlobalOptions& global) {
                      .output = OutputOf(options, global, clips->size())});
   absl::Status status = batch.Send(*clips);
   if (status.ok()) status = batch.Finish();
-  std::fflush(stdout);
+  FlushOutput();
   PrintFailures(batch.failures());
   if (!status.ok() || batch.failures().empty()) return status;
   const std::size_t failed = batch.failures().size();
@@ -187,6 +183,9 @@ absl::Status Run(const IngestOptions& options, const GlobalOptions& global) {
 
 void AddIngestCommand(CommandLine line) {
   AddCommand<IngestOptions>(line, "ingest", "Store motion files and wait for the new model",
+                            "motiondb ingest walks 07_01.bvh --label walk --subject 07\nmotiondb "
+                            "ingest walks recordings/ --label-from '{subject}_{label}_*'\nmotiondb "
+                            "ingest walks --list clips.tsv --dry-run",
                             Declare, Run);
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <motiondb/v1/clip.pb.h>
 
-#include <cstdio>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,13 +10,13 @@
 
 #include "client/cli/clip_files.h"
 #include "client/cli/command.h"
-#include "client/cli/figure_svg.h"
 #include "client/cli/file_failures.h"
 #include "client/cli/import_request.h"
 #include "client/cli/inspection_text.h"
 #include "client/cli/motion_file.h"
-#include "client/cli/print.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/plot/figure_svg.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/terminal/progress_bar.h"
 #include "client/output_file.h"
 #include "import/launch.h"
 
@@ -47,7 +46,7 @@ void Declare(CLI::App& command, InspectOptions& options) {
       ->type_name("FILE");
   AddSourceOptions(command, options.source);
   command.footer(
-      "Needs no server. With one file, prints its joints or markers with their body parts; with\n"
+      "Needs no server. With one file, prints its joints or markers with their body parts; with "
       "several, a line for each. The exit status is 1 if ingest would reject a file.");
 }
 
@@ -84,7 +83,7 @@ class Inspections {
 
   // Prints the summary of several files. An error if a file was rejected.
   absl::Status Summary() const {
-    std::fflush(stdout);
+    FlushOutput();
     if (files_.size() > 1 && !is_json_) {
       PrintFailures(failures_);
       PrintLine("{} of {} would be accepted", files_.size() - failures_.size(),
@@ -177,17 +176,16 @@ absl::Status Run(const InspectOptions& options, const GlobalOptions& global) {
   const bool writes = !options.plot.empty() || !options.write_mapping.empty();
   if (files->empty()) return absl::InvalidArgumentError("nothing to inspect; expected files");
   if (writes && files->size() != 1) {
-    return WithExitCode(absl::InvalidArgumentError(fmt::format(
-                            "--plot and --write-mapping need one file, got {}", files->size())),
-                        kWrongUsage);
+    return UsageError(
+        fmt::format("--plot and --write-mapping need one file, got {}", files->size()));
   }
   for (const std::string& output : {options.plot, options.write_mapping}) {
     std::error_code ignored;
     if (output.empty() || !std::filesystem::equivalent(output, files->front(), ignored)) continue;
-    return WithExitCode(
-        absl::InvalidArgumentError(fmt::format("{} is the inspected file itself", output)),
-        kWrongUsage);
+    return UsageError(fmt::format("{} is the inspected file itself", output));
   }
+  absl::Status writable = CheckCanWrite({options.plot, options.write_mapping});
+  if (!writable.ok()) return writable;
   Inspections inspections(*std::move(files), options, global.json);
   const absl::Status status = inspections.Run();
   return status.ok() ? inspections.Summary() : status;
@@ -197,6 +195,8 @@ absl::Status Run(const InspectOptions& options, const GlobalOptions& global) {
 
 void AddInspectCommand(CommandLine line) {
   AddCommand<InspectOptions>(line, "inspect", "Show what motion files contain, without a server",
+                             "motiondb inspect walk.fbx\nmotiondb inspect recordings/ "
+                             "--json\nmotiondb inspect walk.fbx --write-mapping rig.txt",
                              Declare, Run);
 }
 

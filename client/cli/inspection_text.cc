@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/cli/print.h"
+#include "client/cli/terminal/print.h"
 
 namespace motiondb::client {
 namespace {
@@ -19,13 +19,13 @@ std::string NumberText(const Json& value, const char* unit) {
   return fmt::format("{:.3g} {}", value.get<double>(), unit);
 }
 
-std::vector<std::string> PointRow(const Json& point, std::size_t depth) {
+std::vector<Cell> PointRow(const Json& point, std::size_t depth) {
   constexpr std::size_t kMaxDepth = 40;
   const std::string role = point.value("role", "");
   const double missing = point.value("missing_fraction", 0.0);
   return {std::string(2 * std::min(depth, kMaxDepth), ' ') + point.value("name", ""), role,
-          role.empty() ? "" : fmt::format("{:.2f}", point.value("confidence", 0.0)),
-          missing > 0 ? fmt::format("{:.1f} %", 100 * missing) : ""};
+          role.empty() ? Cell() : Cell(point.value("confidence", 0.0), 2),
+          missing > 0 ? Cell(100 * missing, 1) : Cell()};
 }
 
 std::string PointsText(const Json& inspection) {
@@ -38,9 +38,9 @@ std::string PointsText(const Json& inspection) {
     (has_parent ? children[parent] : roots).push_back(static_cast<int>(i));
   }
   Table table({{inspection.value("points_are", "points")},
-               {"body part"},
-               {"confidence", Align::kRight},
-               {"missing", Align::kRight}});
+               {"BODY PART"},
+               {"CONFIDENCE", Align::kRight},
+               {"MISSING (%)", Align::kRight}});
   // Depth first, in the order of the file.
   std::vector<std::pair<int, std::size_t>> next;
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) next.emplace_back(*root, 0);

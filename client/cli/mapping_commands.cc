@@ -7,8 +7,8 @@
 
 #include "client/cli/command.h"
 #include "client/cli/motion_file.h"
-#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 
 namespace motiondb::client {
 
@@ -18,6 +18,10 @@ struct MappingOptions {
   std::string database;
   std::string file;
   std::string name;
+};
+
+struct MappingListOptions : MappingOptions {
+  static constexpr bool kPrintsTable = true;
 };
 
 struct MarkerSetOptions {
@@ -33,8 +37,8 @@ absl::StatusOr<v1::MarkerSet> MarkerSetOf(const Client& client, const std::strin
   return std::move(*response->mutable_marker_set());
 }
 
-std::string MappingsText(const v1::MarkerSet& set) {
-  Table table({{"mapping"}, {"points", Align::kRight}, {"signature"}});
+Table MappingsTable(const v1::MarkerSet& set) {
+  Table table({{"MAPPING"}, {"POINTS", Align::kRight}, {"SIGNATURE"}});
   for (const v1::Mapping& mapping : set.mappings()) {
     constexpr int kShown = 4;
     std::string signature;
@@ -42,9 +46,9 @@ std::string MappingsText(const v1::MarkerSet& set) {
       signature += (i > 0 ? " " : "") + mapping.signature(i);
     }
     if (mapping.signature_size() > kShown) signature += " ...";
-    table.AddRow({mapping.name(), std::to_string(mapping.signature_size()), signature});
+    table.AddRow({mapping.name(), mapping.signature_size(), signature});
   }
-  return table.ToString();
+  return table;
 }
 
 void DeclareAdd(CLI::App& command, MappingOptions& options) {
@@ -78,11 +82,11 @@ absl::Status RunAdd(const MappingOptions& options, const GlobalOptions& global) 
   return absl::OkStatus();
 }
 
-void DeclareList(CLI::App& command, MappingOptions& options) {
+void DeclareList(CLI::App& command, MappingListOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
 }
 
-absl::Status RunList(const MappingOptions& options, const GlobalOptions& global) {
+absl::Status RunList(const MappingListOptions& options, const GlobalOptions& global) {
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   const auto set = MarkerSetOf(*client, options.database);
@@ -90,7 +94,7 @@ absl::Status RunList(const MappingOptions& options, const GlobalOptions& global)
   if (global.json) {
     for (const v1::Mapping& mapping : set->mappings()) PrintJson(mapping);
   } else {
-    PrintText(MappingsText(*set));
+    PrintTable(MappingsTable(*set), global.csv, "no mappings");
   }
   return absl::OkStatus();
 }
@@ -148,8 +152,7 @@ void DeclareShowSet(CLI::App& command, MarkerSetOptions& options) {
 
 absl::Status RunShowSet(const MarkerSetOptions& options, const GlobalOptions& global) {
   if (options.set.empty() == options.database.empty()) {
-    return WithExitCode(absl::InvalidArgumentError("expected either standard34 or --database DB"),
-                        kWrongUsage);
+    return UsageError("expected either standard34 or --database DB");
   }
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
@@ -167,27 +170,27 @@ absl::Status RunShowSet(const MarkerSetOptions& options, const GlobalOptions& gl
 }  // namespace
 
 void AddMappingCommand(CommandLine line) {
-  CLI::App* mapping =
-      line.app.add_subcommand("mapping", "Add, list, show or delete the mappings of a database");
-  mapping->fallthrough();
-  mapping->require_subcommand(1);
-  const CommandLine inner{*mapping, line.global, line.chosen};
+  const CommandLine inner = AddCommandGroup(
+      line, "mapping", "Add, list, show or delete the mappings of a database",
+      "motiondb inspect walk.fbx --write-mapping rig.txt\nmotiondb mapping add walks rig.txt");
   AddCommand<MappingOptions>(inner, "add", "Add the mappings of a file; equal names are replaced",
-                             DeclareAdd, RunAdd);
-  AddCommand<MappingOptions>(inner, "list", "List the mappings of a database", DeclareList,
-                             RunList);
+                             "motiondb mapping add walks rig.txt", DeclareAdd, RunAdd);
+  AddCommand<MappingListOptions>(inner, "list", "List the mappings of a database",
+                                 "motiondb mapping list walks", DeclareList, RunList);
   AddCommand<MappingOptions>(inner, "show", "Print a mapping as a file for `mapping add`",
-                             DeclareNamed, RunShow);
-  AddCommand<MappingOptions>(inner, "delete", "Delete a mapping", DeclareNamed, RunDelete);
+                             "motiondb mapping show walks rig --output rig.txt", DeclareNamed,
+                             RunShow);
+  AddCommand<MappingOptions>(inner, "delete", "Delete a mapping",
+                             "motiondb mapping delete walks rig", DeclareNamed, RunDelete);
 }
 
 void AddMarkerSetCommand(CommandLine line) {
-  CLI::App* set = line.app.add_subcommand("marker-set", "Show a marker set");
-  set->fallthrough();
-  set->require_subcommand(1);
-  const CommandLine inner{*set, line.global, line.chosen};
-  AddCommand<MarkerSetOptions>(inner, "show", "Print a marker set as a marker-set file",
-                               DeclareShowSet, RunShowSet);
+  const CommandLine inner = AddCommandGroup(line, "marker-set", "Show a marker set",
+                                            "motiondb marker-set show standard34");
+  AddCommand<MarkerSetOptions>(
+      inner, "show", "Print a marker set as a marker-set file",
+      "motiondb marker-set show standard34\nmotiondb marker-set show --database walks",
+      DeclareShowSet, RunShowSet);
 }
 
 }  // namespace motiondb::client

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <utility>
 
-#include "client/cli/print.h"
+#include "client/cli/terminal/print.h"
 #include "client/output_file.h"
 
 namespace motiondb::client {

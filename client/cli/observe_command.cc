@@ -1,17 +1,14 @@
 // motiondb observe DB FILE: sends a motion frame by frame, like a robot, and shows the answers.
 #include <fmt/format.h>
 #include <motiondb/v1/observe.pb.h>
-#include <unistd.h>
 
-#include <cstdio>
 #include <optional>
 
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/observe_replay.h"
-#include "client/cli/print.h"
-#include "client/cli/query_options.h"
-#include "text/display_text.h"
+#include "client/cli/query/query_options.h"
+#include "client/cli/terminal/print.h"
 
 namespace motiondb::client {
 namespace {
@@ -29,7 +26,7 @@ struct ObserveOptions {
 };
 
 void Declare(CLI::App& command, ObserveOptions& options) {
-  AddQueryOptions(command, options.query);
+  AddQueryOptionsOfOneFile(command, options.query);
   CLI::Option* realtime =
       command.add_flag("--realtime", options.realtime,
                        "Send at the frame rate of the motion; else as fast as possible");
@@ -82,21 +79,22 @@ class LiveLine {
   LiveLine(double frame_rate_hz, double unknown_threshold)
       : frame_rate_hz_(frame_rate_hz),
         unknown_threshold_(unknown_threshold),
-        terminal_(isatty(STDOUT_FILENO) == 1) {}
+        terminal_(IsOnTerminal()) {}
 
   void Show(const v1::ObserveResponse& answer) {
     const double seconds = static_cast<double>(answer.frame()) / frame_rate_hz_;
     const std::string line = ObserveAnswerLine(answer, seconds, unknown_threshold_);
     if (terminal_) {
-      fmt::print("\r\033[K{}", text::DisplayText(line));
-      std::fflush(stdout);
+      ClearOutputLine();
+      PrintText(Shortened(line, OutputSize().columns - 1));
+      FlushOutput();
     } else if (!shown_ || seconds >= *shown_ + kLineEvery - 1e-9 || answer.model_replaced()) {
       PrintLineText(line);
       shown_ = seconds;
     }
   }
   void End() const {
-    if (terminal_) fmt::print("\n");
+    if (terminal_) PrintText("\n");
   }
 
  private:
@@ -108,7 +106,7 @@ class LiveLine {
 
 absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
   v1::RepresentRequest request;
-  auto observation = ObservationFromFile(options.query.file, options.query.source);
+  auto observation = ObservationFromFile(options.query.files.front(), options.query.source);
   if (!observation.ok()) return observation.status();
   request.set_database(DatabaseName(options.query.database));
   *request.mutable_observation() = *std::move(observation);
@@ -143,6 +141,8 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
 
 void AddObserveCommand(CommandLine line) {
   AddCommand<ObserveOptions>(line, "observe", "Send a motion frame by frame and show the answers",
+                             "motiondb observe walks observed.bvh --realtime\nmotiondb observe "
+                             "walks observed.bvh --horizon 0.2,0.4 --json",
                              Declare, Run);
 }
 

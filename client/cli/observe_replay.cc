@@ -10,9 +10,9 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "client/cli/answer_text.h"
 #include "client/cli/database_text.h"
-#include "client/cli/print.h"
+#include "client/cli/query/recognition_text.h"
+#include "client/cli/terminal/print.h"
 
 namespace motiondb::client {
 

@@ -2,15 +2,16 @@
 #include <motiondb/v1/operation.pb.h>
 
 #include "client/cli/command.h"
-#include "client/cli/database_text.h"
-#include "client/cli/print.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/operation_text.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/terminal/progress_bar.h"
 
 namespace motiondb::client {
 namespace {
 
 struct OperationsListOptions {
+  static constexpr bool kPrintsTable = true;
   std::string database;
 };
 
@@ -44,7 +45,7 @@ absl::Status RunList(const OperationsListOptions& options, const GlobalOptions& 
   if (global.json) {
     for (const v1::Operation& operation : *operations) PrintJson(Printable(operation));
   } else {
-    PrintText(OperationsText(*operations));
+    PrintTable(OperationsTable(*operations), global.csv, "no operations");
   }
   return absl::OkStatus();
 }
@@ -57,7 +58,7 @@ void Print(const v1::Operation& operation, bool json) {
     *response.mutable_operation() = Printable(operation);
     PrintJson(response);
   } else {
-    PrintText(OperationsText({operation}));
+    PrintText(OperationsTable({operation}).ToString());
   }
 }
 
@@ -88,16 +89,16 @@ absl::Status RunCancel(const OperationOptions& options, const GlobalOptions& glo
 }  // namespace
 
 void AddOperationsCommand(CommandLine line) {
-  CLI::App* operations =
-      line.app.add_subcommand("operations", "List, wait for or cancel operations");
-  operations->fallthrough();
-  operations->require_subcommand(1);
-  const CommandLine inner{*operations, line.global, line.chosen};
-  AddCommand<OperationsListOptions>(inner, "list", "List operations, newest first", DeclareList,
-                                    RunList);
+  const CommandLine inner =
+      AddCommandGroup(line, "operations", "List, wait for or cancel operations",
+                      "motiondb operations list walks\nmotiondb operations wait 17");
+  AddCommand<OperationsListOptions>(
+      inner, "list", "List operations, newest first",
+      "motiondb operations list\nmotiondb operations list walks --csv", DeclareList, RunList);
   AddCommand<OperationOptions>(inner, "wait", "Wait until an operation is done; fails if it failed",
-                               DeclareOperation, RunWait);
-  AddCommand<OperationOptions>(inner, "cancel", "Cancel an operation", DeclareOperation, RunCancel);
+                               "motiondb operations wait 17", DeclareOperation, RunWait);
+  AddCommand<OperationOptions>(inner, "cancel", "Cancel an operation",
+                               "motiondb operations cancel 17", DeclareOperation, RunCancel);
 }
 
 }  // namespace motiondb::client

@@ -3,14 +3,15 @@
 #include <motiondb/v1/plan.pb.h>
 
 #include <filesystem>
+#include <vector>
 
-#include "client/cli/answer_text.h"
 #include "client/cli/command.h"
 #include "client/cli/file_formats.h"
-#include "client/cli/floor_plan_svg.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/plan_request.h"
-#include "client/cli/print.h"
+#include "client/cli/plan_text.h"
+#include "client/cli/plot/floor_plan_svg.h"
+#include "client/cli/terminal/print.h"
 #include "client/output_file.h"
 
 namespace motiondb::client {
@@ -38,30 +39,33 @@ void Declare(CLI::App& command, PlanOptions& options) {
   command.footer("The exit status is 3 if the goal is UNREACHABLE, with or without output files.");
 }
 
-// Checks the extensions of the output files and requests them.
-absl::Status RequestFiles(const PlanOptions& options, v1::PlanRequest& request) {
-  if (!options.out.empty()) {
-    const auto format = WrittenFormat(fs::path(options.out).extension().string());
-    if (!format.ok()) {
-      return absl::InvalidArgumentError(
-          fmt::format("--out {}: {}", options.out, std::string(format.status().message())));
-    }
-    request.set_include_files(true);
-    request.set_file_format(*format);
-  }
-  if (!options.plot.empty() && !HasExtension(options.plot, ".svg")) {
-    return absl::InvalidArgumentError(
-        fmt::format("--plot {}: the plan is drawn as FILE.svg", options.plot));
-  }
-  return absl::OkStatus();
-}
-
 // "walk.bvh" -> "walk-2.bvh".
 fs::path Numbered(const fs::path& path, int number) {
   if (number == 1) return path;
   fs::path numbered = path;
   return numbered.replace_filename(
       fmt::format("{}-{}{}", path.stem().string(), number, path.extension().string()));
+}
+
+// Checks the output files and requests them.
+absl::Status RequestFiles(const PlanOptions& options, v1::PlanRequest& request) {
+  if (!options.out.empty()) {
+    const auto format = WrittenFormat(fs::path(options.out).extension().string());
+    if (!format.ok()) {
+      return UsageError(
+          fmt::format("--out {}: {}", options.out, std::string(format.status().message())));
+    }
+    request.set_include_files(true);
+    request.set_file_format(*format);
+  }
+  if (!options.plot.empty() && !HasExtension(options.plot, ".svg")) {
+    return UsageError(fmt::format("--plot {}: the plan is drawn as FILE.svg", options.plot));
+  }
+  std::vector<fs::path> paths = {options.plot};
+  for (int i = 0; i <= options.request.alternatives && !options.out.empty(); ++i) {
+    paths.push_back(Numbered(options.out, i + 1));
+  }
+  return CheckCanWrite(paths);
 }
 
 // Writes the requested files and appends their names to `written`.
@@ -124,8 +128,12 @@ absl::Status Run(const PlanOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddPlanCommand(CommandLine line) {
-  AddCommand<PlanOptions>(line, "plan", "Find a motion from a start to a goal on the floor",
-                          Declare, Run);
+  AddCommand<PlanOptions>(
+      line, "plan", "Find a motion from a start to a goal on the floor",
+      "motiondb plan walks --goal 2,1,30deg --out plan.bvh --plot plan.svg\nmotiondb plan walks "
+      "--start 07_01@1.5 --goal 3,0,0 --disc 1.5,0,0.3\nmotiondb plan walks --goal 2,0,0 "
+      "--skeleton robot.urdf --out plan.csv",
+      Declare, Run);
 }
 
 }  // namespace motiondb::client

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <string_view>
 
 #include "client/cli/command.h"
 #include "client/cli/motion_file.h"
@@ -18,6 +19,10 @@ namespace motiondb::client {
 namespace {
 
 using Numbers = std::vector<double>;
+
+// Indices of angles, which can be in degrees.
+constexpr std::size_t kHeadingOfGoal = 2;
+constexpr std::size_t kAngleOfTolerance = 1;
 
 bool IsPose(const Numbers& numbers) { return numbers.size() == 3; }
 bool IsTolerance(const Numbers& numbers) {
@@ -65,18 +70,19 @@ void AddStartOptions(CLI::App& command, PlanRequestOptions& options) {
 void AddGoalOptions(CLI::App& command, PlanRequestOptions& options) {
   command
       .add_option("--goal", options.goal,
-                  "Goal relative to the start: metres to the front and to the left, radians "
-                  "counter-clockwise")
+                  "Goal relative to the start: metres to the front and to the left, and the angle "
+                  "counter-clockwise in radians, or in degrees as in 30deg")
       ->type_name("X,Y,HEADING")
       ->required()
-      ->check(NumberList("X,Y,HEADING, three numbers", IsPose));
+      ->check(NumberList("X,Y,HEADING, three numbers", IsPose, kHeadingOfGoal));
   command.add_flag("--force", options.force,
                    "Accept a heading beyond a full turn, which is usually in degrees");
   command
       .add_option("--tolerance", options.tolerance,
-                  "Tolerances of goal position and heading; else 0.1,0.1")
-      ->type_name("METRES,RADIANS")
-      ->check(NumberList("METRES,RADIANS, two numbers of at least 0", IsTolerance));
+                  "Tolerances of goal position and heading, in radians or as in 5deg; else 0.1,0.1")
+      ->type_name("METRES,ANGLE")
+      ->check(
+          NumberList("METRES,ANGLE, two numbers of at least 0", IsTolerance, kAngleOfTolerance));
   command
       .add_option("--max-duration", options.max_duration_seconds, "Maximum duration of the motion")
       ->type_name("SECONDS")
@@ -224,13 +230,13 @@ bool PlansForRobot(const PlanRequestOptions& options) {
 
 absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& request) {
   request.set_database(DatabaseName(options.database));
-  const Numbers goal = *ParseNumbers(options.goal);
+  const Numbers goal = *ParseNumbers(options.goal, kHeadingOfGoal);
   request.mutable_goal()->set_x_m(goal[0]);
   request.mutable_goal()->set_y_m(goal[1]);
   request.mutable_goal()->set_heading_rad(
       options.force ? std::remainder(goal[2], 2 * std::numbers::pi) : goal[2]);
   if (!options.tolerance.empty()) {
-    const Numbers tolerance = *ParseNumbers(options.tolerance);
+    const Numbers tolerance = *ParseNumbers(options.tolerance, kAngleOfTolerance);
     request.set_position_tolerance_m(tolerance[0]);
     request.set_heading_tolerance_rad(tolerance[1]);
   }
@@ -255,24 +261,28 @@ absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& 
   return SetBody(options, request);
 }
 
-std::optional<std::vector<double>> ParseNumbers(const std::string& text) {
+std::optional<std::vector<double>> ParseNumbers(const std::string& text, std::size_t angle) {
   std::vector<double> numbers;
   for (size_t begin = 0; begin <= text.size();) {
     const size_t comma = std::min(text.find(',', begin), text.size());
     const std::string part = text.substr(begin, comma - begin);
     char* end = nullptr;
-    const double number = std::strtod(part.c_str(), &end);
-    if (part.empty() || *end != '\0' || !std::isfinite(number)) return std::nullopt;
+    double number = std::strtod(part.c_str(), &end);
+    std::string_view unit = end;
+    if (numbers.size() == angle && unit == "deg") number *= std::numbers::pi / 180;
+    if (numbers.size() == angle && (unit == "deg" || unit == "rad")) unit = "";
+    if (end == part.c_str() || !unit.empty() || !std::isfinite(number)) return std::nullopt;
     numbers.push_back(number);
     begin = comma + 1;
   }
   return numbers;
 }
 
-CLI::Validator NumberList(const char* expected, bool (*fits)(const std::vector<double>&)) {
+CLI::Validator NumberList(const char* expected, bool (*fits)(const std::vector<double>&),
+                          std::size_t angle) {
   return CLI::Validator(
-      [expected, fits](const std::string& text) {
-        const auto numbers = ParseNumbers(text);
+      [expected, fits, angle](const std::string& text) {
+        const auto numbers = ParseNumbers(text, angle);
         return numbers && fits(*numbers) ? "" : fmt::format("expected {}, got {}", expected, text);
       },
       "");

@@ -4,6 +4,7 @@
 #include <motiondb/messages.h>
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,7 +21,7 @@ struct PlanRequestOptions {
   std::string start;        // CLIP@SECONDS
   std::string observation;  // a motion file
   std::string observation_skeleton;
-  std::string tolerance;  // METRES,RADIANS
+  std::string tolerance;  // METRES,ANGLE
   double max_duration_seconds = 30;
   double search_seconds = 5;
   int layer = 0;
@@ -47,10 +48,16 @@ bool PlansForRobot(const PlanRequestOptions& options);
 // Converts the options to a request and reads their files. REQUIRES: lists of numbers are valid.
 absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& request);
 
-// Parses numbers separated by commas; nullopt unless all are finite.
-std::optional<std::vector<double>> ParseNumbers(const std::string& text);
+inline constexpr std::size_t kNoAngle = static_cast<std::size_t>(-1);
 
-// Returns a validator of a list of numbers. `fits` checks the numbers; `expected` describes them.
-CLI::Validator NumberList(const char* expected, bool (*fits)(const std::vector<double>&));
+// Parses numbers separated by commas; nullopt unless all are finite. The number with the index
+// `angle` may end with its unit, "rad" or "deg"; the result is in radians.
+std::optional<std::vector<double>> ParseNumbers(const std::string& text,
+                                                std::size_t angle = kNoAngle);
+
+// Returns a validator of a list of numbers, with `angle` as above. `fits` checks the numbers;
+// `expected` describes them.
+CLI::Validator NumberList(const char* expected, bool (*fits)(const std::vector<double>&),
+                          std::size_t angle = kNoAngle);
 
 }  // namespace motiondb::client

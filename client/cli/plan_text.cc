@@ -1,12 +1,13 @@
+#include "client/cli/plan_text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "client/cli/answer_text.h"
-#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -85,12 +86,12 @@ std::string QualityText(const std::vector<const v1::PlannedMotion*>& motions) {
   }
   Table table(columns);
   if (motions.size() > 1) {
-    std::vector<std::string> row = {"  outcome", ""};
+    std::vector<Cell> row = {"  outcome", ""};
     for (const auto* motion : motions) row.push_back(OutcomeText(motion->outcome()));
     table.AddRow(row);
   }
   for (const QualityRow& value : QualityRows()) {
-    std::vector<std::string> row = {std::string("  ") + value.name, value.unit};
+    std::vector<Cell> row = {std::string("  ") + value.name, value.unit};
     for (const auto* motion : motions) row.push_back(value.text(motion->quality()));
     table.AddRow(row);
   }

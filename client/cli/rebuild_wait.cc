@@ -5,8 +5,8 @@
 #include <motiondb/v1/operation.pb.h>
 
 #include "client/call_failure.h"
-#include "client/cli/print.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/terminal/progress_bar.h"
 
 namespace motiondb::client {
 

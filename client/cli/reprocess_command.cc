@@ -4,9 +4,9 @@
 
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
-#include "client/cli/print.h"
 #include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 
 namespace motiondb::client {
 namespace {
@@ -18,10 +18,9 @@ struct ReprocessOptions {
 void Declare(CLI::App& command, ReprocessOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
   command.footer(
-      "Reads the ingested files again with the current version of the server, and waits for the\n"
-      "new model. After an upgrade the server does this itself if necessary. A clip that cannot "
-      "be\n"
-      "derived stays unchanged; `motiondb describe DB` shows why. If this command is interrupted,\n"
+      "Reads the ingested files again with the current version of the server, and waits for the "
+      "new model. After an upgrade the server does this itself if necessary. A clip that cannot be "
+      "derived stays unchanged; `motiondb describe DB` shows why. If this command is interrupted, "
       "the server continues; `motiondb operations` shows and cancels the operation.");
 }
 
@@ -57,7 +56,7 @@ absl::Status Run(const ReprocessOptions& options, const GlobalOptions& global) {
 void AddReprocessCommand(CommandLine line) {
   AddCommand<ReprocessOptions>(
       line, "reprocess", "Derive the stored clips again from their files, and rebuild the model",
-      Declare, Run);
+      "motiondb reprocess walks", Declare, Run);
 }
 
 }  // namespace motiondb::client

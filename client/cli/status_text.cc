@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "client/cli/database_text.h"
-#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -51,15 +51,6 @@ std::string CallsText(const v1::GetServerStatusResponse& status) {
                      status.failed_call_count(), status.open_call_count());
 }
 
-// Returns a bar of ten cells, the progress and the stage.
-std::string WorkText(const v1::DatabaseStatus& database) {
-  if (database.operation().empty()) return "";
-  const int full = static_cast<int>(std::lround(database.progress() * 10));
-  return fmt::format("[{}{}] {:.0f} %  {}", std::string(static_cast<std::size_t>(full), '#'),
-                     std::string(static_cast<std::size_t>(10 - full), '.'),
-                     database.progress() * 100, database.stage());
-}
-
 std::string WaitingText(const v1::GetServerStatusResponse& status) {
   std::string text =
       fmt::format("{}; {} threads", status.queued_call_count(), status.request_thread_count());
@@ -86,6 +77,12 @@ std::string StoreText(const v1::GetServerStatusResponse& status) {
                             BytesText(status.disk_bytes()));
 }
 
+// Milliseconds with three digits.
+Cell Latency(const google::protobuf::Duration& duration) {
+  const double milliseconds = 1000 * SecondsOf(duration);
+  return {milliseconds, milliseconds < 10 ? 2 : milliseconds < 100 ? 1 : 0};
+}
+
 // "NOT_FOUND 3, INTERNAL 1".
 std::string ErrorsText(const v1::MethodStatus& method) {
   std::string text;
@@ -106,36 +103,19 @@ std::string MethodsText(const v1::GetServerStatusResponse& status) {
                    [](const auto* a, const auto* b) { return a->call_count() > b->call_count(); });
   Table table({{"CALLS OF"},
                {"ENDED", Align::kRight},
-               {"P50", Align::kRight},
-               {"P95", Align::kRight},
-               {"P99", Align::kRight},
+               {"P50 (ms)", Align::kRight},
+               {"P95 (ms)", Align::kRight},
+               {"P99 (ms)", Align::kRight},
                {"ERRORS"}});
   const std::size_t shown = std::min(methods.size(), kShownMethods);
   for (std::size_t i = 0; i < shown; ++i) {
     const v1::MethodStatus& method = *methods[i];
-    table.AddRow({method.method(), std::to_string(method.call_count()),
-                  LatencyText(SecondsOf(method.p50_time())),
-                  LatencyText(SecondsOf(method.p95_time())),
-                  LatencyText(SecondsOf(method.p99_time())), ErrorsText(method)});
+    table.AddRow({method.method(), method.call_count(), Latency(method.p50_time()),
+                  Latency(method.p95_time()), Latency(method.p99_time()), ErrorsText(method)});
   }
   std::string text = "\n" + table.ToString();
   if (methods.size() > shown) {
     text += fmt::format("and {} more methods\n", methods.size() - shown);
-  }
-  return text;
-}
-
-// "12 in 3.20 s", "12, 1 failed, 2 cancelled in 3.20 s".
-std::string RebuildsText(const v1::DatabaseStatus& database) {
-  std::string text = std::to_string(database.succeeded_rebuild_count());
-  if (database.failed_rebuild_count() > 0) {
-    text += fmt::format(", {} failed", database.failed_rebuild_count());
-  }
-  if (database.cancelled_rebuild_count() > 0) {
-    text += fmt::format(", {} cancelled", database.cancelled_rebuild_count());
-  }
-  if (database.has_rebuild_time() && text != "0") {
-    text += fmt::format(" in {}", LatencyText(SecondsOf(database.rebuild_time())));
   }
   return text;
 }
@@ -159,30 +139,44 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   Table table({{"DATABASE"},
                {"CLIPS", Align::kRight},
                {"FRAMES", Align::kRight},
-               {"SIZE", Align::kRight},
-               {"STREAMS", Align::kRight},
-               {"MODEL", Align::kRight},
-               {"OF FRAMES", Align::kRight},
-               {"AGE", Align::kRight},
-               {"BUILT IN", Align::kRight},
-               {"REBUILDS"},
-               {"BEING REBUILT"}});
+               {"SIZE (MiB)", Align::kRight},
+               {"STREAMS", Align::kRight}});
+  // Counts of failures and the progress of a rebuild are only shown if there are any.
+  Table models({{"MODEL OF"},
+                {"VERSION", Align::kRight},
+                {"FRAMES", Align::kRight},
+                {"AGE (h)", Align::kRight},
+                {"BUILT IN (s)", Align::kRight},
+                {"REBUILDS", Align::kRight},
+                {"TIME (s)", Align::kRight},
+                {"FAILED", Align::kRight},
+                {"CANCELLED", Align::kRight},
+                {"DONE (%)", Align::kRight},
+                {"STAGE"}});
   const std::vector<const v1::DatabaseStatus*> shown = ShownDatabases(status);
   for (const v1::DatabaseStatus* const each : shown) {
     const v1::DatabaseStatus& database = *each;
+    const std::string name = ShortName(database.name());
+    table.AddRow({name, database.clip_count(), database.stored_frame_count(),
+                  Cell(static_cast<double>(database.byte_count()) / (1 << 20), 2),
+                  database.open_stream_count()});
     // A model that is not stored yet has frames but no version.
     const bool has_model = database.frame_count() > 0;
     const std::string version =
         database.model_version() > 0 ? std::to_string(database.model_version()) : "new";
-    table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
-                  std::to_string(database.stored_frame_count()), BytesText(database.byte_count()),
-                  std::to_string(database.open_stream_count()), has_model ? version : "none",
-                  has_model ? std::to_string(database.frame_count()) : "",
-                  has_model ? DurationText(database.model_age().seconds()) : "",
-                  has_model ? LatencyText(SecondsOf(database.model_build_time())) : "",
-                  RebuildsText(database), WorkText(database)});
+    const auto some = [](std::int64_t count) { return count > 0 ? Cell(count) : Cell(); };
+    models.AddRow(
+        {name, has_model ? version : "none", some(database.frame_count()),
+         has_model ? Cell(SecondsOf(database.model_age()) / 3600, 2) : Cell(),
+         has_model ? Cell(SecondsOf(database.model_build_time()), 2) : Cell(),
+         database.succeeded_rebuild_count(),
+         database.has_rebuild_time() ? Cell(SecondsOf(database.rebuild_time()), 2) : Cell(),
+         Cell(some(database.failed_rebuild_count()).text(), Style::kError),
+         some(database.cancelled_rebuild_count()),
+         database.operation().empty() ? Cell() : Cell(100 * database.progress(), 0),
+         database.operation().empty() ? "" : database.stage()});
   }
-  std::string text = table.ToString();
+  std::string text = table.ToString() + "\n" + models.ToString();
   if (const std::size_t more = static_cast<std::size_t>(status.databases_size()) - shown.size();
       more > 0) {
     text += fmt::format("and {} more databases: `motiondb list`\n", more);
@@ -215,13 +209,6 @@ std::string DurationText(std::int64_t seconds) {
     return fmt::format("{} h {} min", seconds / kHour, seconds % kHour / kMinute);
   }
   return fmt::format("{} d {} h", seconds / kDay, seconds % kDay / kHour);
-}
-
-std::string LatencyText(double seconds) {
-  const bool short_time = seconds < 1;
-  const double amount = short_time ? seconds * 1000 : seconds;
-  const int decimals = amount < 10 ? 2 : amount < 100 ? 1 : 0;
-  return fmt::format("{:.{}f} {}", amount, decimals, short_time ? "ms" : "s");
 }
 
 std::string BytesText(std::int64_t bytes) {

@@ -1,18 +1,24 @@
 // motiondb status, backup, restore and verify.
 
 #include <fmt/format.h>
+#include <motiondb/v1/access.pb.h>
 #include <motiondb/v1/server.pb.h>
 #include <motiondb/v1/store.pb.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
+#include <iterator>
+#include <set>
+#include <string>
 #include <thread>
+#include <vector>
 
+#include "client/call_failure.h"
+#include "client/cli/access_text.h"
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
-#include "client/cli/print.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/terminal/progress_bar.h"
 
 namespace motiondb::client {
 
@@ -34,31 +40,33 @@ std::int64_t NowMicroseconds() {
       .count();
 }
 
-absl::Status ShowOnce(const Client& client, const GlobalOptions& global, bool on_cleared_screen) {
+absl::Status ShowOnce(const Client& client, const GlobalOptions& global, bool clears_screen) {
   const auto status = client.GetServerStatus(v1::GetServerStatusRequest());
   if (!status.ok()) return status.status();
   if (global.json) {
     PrintJson(*status);
     return absl::OkStatus();
   }
-  // Moves to the upper left corner and clears the screen.
-  const char* const clear = on_cleared_screen ? "\x1b[H\x1b[J" : "";
-  fmt::print("{}", clear);
-  PrintText(StatusText(*status, NowMicroseconds()));
-  std::fflush(stdout);
+  const std::string text = StatusText(*status, NowMicroseconds());
+  if (clears_screen) ClearOutputScreen();
+  PrintText(text);
+  FlushOutput();
   return absl::OkStatus();
 }
 
 absl::Status Run(const StatusOptions& options, const GlobalOptions& global) {
+  if (options.watch_seconds > 0 && !global.output.empty()) {
+    return UsageError("--watch excludes --output: it does not end");
+  }
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   if (options.watch_seconds <= 0) return ShowOnce(*client, global, false);
   // Limited to avoid an overflow.
   const std::chrono::duration<double> pause(std::min(options.watch_seconds, 1e6));
   while (true) {
-    const absl::Status shown = ShowOnce(*client, global, isatty(STDOUT_FILENO) == 1);
+    const absl::Status shown = ShowOnce(*client, global, true);
     if (!shown.ok()) return shown;
-    if (std::ferror(stdout) != 0) return absl::OkStatus();  // main reports it
+    if (OutputFailed()) return absl::OkStatus();  // main reports it
     std::this_thread::sleep_for(pause);
   }
 }
@@ -68,7 +76,7 @@ absl::Status Run(const StatusOptions& options, const GlobalOptions& global) {
 void AddStatusCommand(CommandLine line) {
   AddCommand<StatusOptions>(line, "status",
                             "Show the state of the server: calls, memory, databases, builds",
-                            Declare, Run);
+                            "motiondb status\nmotiondb status --watch 2", Declare, Run);
 }
 
 // motiondb backup FILE
@@ -97,7 +105,8 @@ absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {
   if (!bytes.ok()) return bytes.status();
   if (global.json) {
     // The response is a stream of blocks; this is a summary.
-    fmt::print("{{\"file\":{},\"total_bytes\":{}}}\n", JsonString(options.file), *bytes);
+    PrintText(
+        fmt::format("{{\"file\":{},\"total_bytes\":{}}}\n", JsonString(options.file), *bytes));
   } else {
     PrintLine("{}: {:.1f} MB, checksum correct", options.file, static_cast<double>(*bytes) / 1e6);
   }
@@ -109,7 +118,7 @@ absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {
 void AddBackupCommand(CommandLine line) {
   AddCommand<BackupOptions>(line, "backup",
                             "Write a consistent copy of the whole store while the server works",
-                            Declare, Run);
+                            "motiondb backup monday.motiondb", Declare, Run);
 }
 
 // motiondb restore FILE
@@ -124,29 +133,65 @@ void Declare(CLI::App& command, RestoreOptions& options) {
   command.add_option("FILE", options.file, "Backup file of `motiondb backup`")->required();
 }
 
+// Returns the tokens of `now` that are valid and were not before.
+std::vector<v1::Token> NewlyValid(const std::vector<v1::Token>& before,
+                                  const std::vector<v1::Token>& now) {
+  const std::int64_t now_seconds = NowMicroseconds() / 1'000'000;
+  std::set<std::string> were_valid;
+  for (const v1::Token& token : before) {
+    if (IsValid(token, now_seconds)) were_valid.insert(token.name());
+  }
+  std::vector<v1::Token> found;
+  for (const v1::Token& token : now) {
+    if (IsValid(token, now_seconds) && !were_valid.contains(token.name())) found.push_back(token);
+  }
+  return found;
+}
+
+// The server cannot know which tokens were revoked after the backup was made: its own tokens keep
+// their state, and the revocation of a token that it does not have was in the lost store.
+std::string NewlyValidText(const std::vector<v1::Token>& tokens) {
+  if (tokens.empty()) return "";
+  return fmt::format(
+             "{} of the backup {} valid now. A token that was revoked after the backup was made is "
+             "valid again; revoke it with `motiondb token revoke TOKEN`:\n",
+             CountText(std::ssize(tokens), "token"), tokens.size() == 1 ? "is" : "are") +
+         TokensTable(tokens, NowMicroseconds() / 1'000'000).ToString();
+}
+
 absl::Status Run(const RestoreOptions& options, const GlobalOptions& global) {
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
+  const auto before = client->AllTokens();
   ProgressBar bar;
   const auto response = client->RestoreStore(options.file, [&](double share) {
     bar.Show(share, share < 1 ? "sending" : "the server checks the backup");
   });
   bar.Clear();
   if (!response.ok()) return response.status();
+  const auto now = client->AllTokens();
+  const bool can_list = before.ok() && now.ok();
+  const std::string tokens = can_list ? NewlyValidText(NewlyValid(*before, *now)) : "";
   if (global.json) {
     PrintJson(*response);
+    fmt::print(stderr, "{}", WithStyles(tokens, HasColours(STDERR_FILENO)));
   } else {
     PrintLine("restored {}, {}", CountText(response->database_count(), "database"),
               CountText(response->clip_count(), "clip"));
+    PrintText(tokens);
   }
-  return absl::OkStatus();
+  if (can_list) return absl::OkStatus();
+  const absl::Status& failed = before.ok() ? now.status() : before.status();
+  return WithMessage(
+      failed, fmt::format("the backup is restored, but its valid tokens cannot be listed: {}",
+                          std::string(failed.message())));
 }
 
 }  // namespace
 
 void AddRestoreCommand(CommandLine line) {
   AddCommand<RestoreOptions>(line, "restore", "Restore a backup into a server without databases",
-                             Declare, Run);
+                             "motiondb restore monday.motiondb", Declare, Run);
 }
 
 // motiondb verify
@@ -200,7 +245,7 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
 void AddVerifyCommand(CommandLine line) {
   AddCommand<VerifyOptions>(line, "verify",
                             "Check everything that is stored; fails if something is corrupt",
-                            Declare, Run);
+                            "motiondb verify", Declare, Run);
 }
 
 }  // namespace motiondb::client

@@ -1,4 +1,4 @@
-"""Parses the output of --help in the layout of CLI11."""
+"""Parses the output of --help in the layout of CLI11, also if descriptions are wrapped."""
 
 import re
 import subprocess
@@ -36,6 +36,7 @@ class Help:
     description: str = ""
     usage: str = ""
     groups: dict = field(default_factory=dict)    # heading -> entries
+    examples: list = field(default_factory=list)  # command lines
     footer: str = ""
     commands: list = field(default_factory=list)  # of Help
 
@@ -57,10 +58,10 @@ class Help:
 
 def parse_entry(lines):
     first = lines[0]
-    if len(lines) > 1 or len(first) <= COLUMN:
-        left, right = first, " ".join(line.strip() for line in lines[1:])
-    else:
-        left, right = first[:COLUMN], first[COLUMN:]
+    # Names are at least two spaces before a description on the same line; names have no two spaces.
+    has_description = len(first) > COLUMN and (len(lines) == 1 or first[COLUMN - 2:COLUMN] == "  ")
+    left, right = (first[:COLUMN], first[COLUMN:]) if has_description else (first, "")
+    right = " ".join([right, *(line.strip() for line in lines[1:])])
     names, _, value = left.strip().partition(" ")
     return Entry(names.split(","), value.strip(), right.strip())
 
@@ -72,6 +73,10 @@ def parse(words, text):
     for line in text.splitlines():
         if line.startswith("Usage: "):
             result.usage = line.removeprefix("Usage: ")
+        elif line == "Examples:":
+            heading = None
+        elif heading is None and line.startswith("  ") and result.usage:
+            result.examples.append(line.strip())
         elif re.fullmatch(r"[A-Z][A-Za-z ]*:", line):
             heading = line[:-1]
             result.groups[heading] = []

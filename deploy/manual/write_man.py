@@ -43,6 +43,7 @@ def command_lines(program):
         for entry in command.options:
             if entry.flag != "--help":
                 lines += entry_lines(entry)
+        lines += [".PP", "Examples:", ".nf", *map(escape, command.examples), ".fi"]
     return lines
 
 

@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "client/cli/database_text.h"
+#include "client/cli/access_text.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
@@ -54,6 +54,9 @@ TEST_CASE("motiondb token create: sends the options; prints only the secret to s
                       {"token", "create", "--role", "reader", std::string("--expires=") + wrong})
               .exit_code == 2);
   }
+  CHECK_THAT(
+      RunMotiondb(server.address(), {"token", "create", "--role", "reader", "--expires", "30"}).err,
+      Contains("got 30; did you mean 30d?"));
   CHECK(RunMotiondb(server.address(), {"token", "create"}).exit_code == 2);
   for (const char* wrong : {"king", "3"}) {
     const auto role = RunMotiondb(server.address(), {"token", "create", "--role", wrong});
@@ -89,15 +92,19 @@ TEST_CASE("motiondb token revoke: sends only the id of a complete token", "[clie
   }
 }
 
-TEST_CASE("TokensText: states of tokens", "[client]") {
+std::string TokensTextAt(const std::vector<v1::Token>& tokens, std::int64_t now_seconds) {
+  return client::WithStyles(client::TokensTable(tokens, now_seconds).ToString(), false);
+}
+
+TEST_CASE("TokensTable: states of tokens", "[client]") {
   v1::Token revoked = Reader();
   revoked.mutable_revoke_time()->set_seconds(1'500);
   v1::Token forever = Reader();
   forever.clear_expire_time();
-  CHECK_THAT(client::TokensText({Reader()}, 1'999), Contains(" valid "));
-  CHECK_THAT(client::TokensText({Reader()}, 2'000), Contains(" expired "));
-  CHECK_THAT(client::TokensText({revoked}, 1'999), Contains(" revoked "));
-  CHECK_THAT(client::TokensText({forever}, 9'999), Contains(" valid ") && Contains("never"));
+  CHECK_THAT(TokensTextAt({Reader()}, 1'999), Contains(" valid "));
+  CHECK_THAT(TokensTextAt({Reader()}, 2'000), Contains(" expired "));
+  CHECK_THAT(TokensTextAt({revoked}, 1'999), Contains(" revoked "));
+  CHECK_THAT(TokensTextAt({forever}, 9'999), Contains(" valid ") && Contains("never"));
 }
 
 TEST_CASE("motiondb audit: reads pages up to the requested number", "[client][cli]") {

@@ -204,10 +204,11 @@ TEST_CASE("motiondb recognize: options are sent in the request", "[client][cli]"
   const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
   const auto text = RunMotiondb(server.address(), {"recognize", "walks", file});
   CHECK(text.exit_code == 0);
-  CHECK_THAT(text.out, StartsWith("0.00-0.40 s  walk"));
-  const auto json = RunMotiondb(
-      server.address(), {"recognize", "walks", file, "--window", "all", "--hop", "0.2", "--layer",
-                         "7", "--top", "3", "--floor", "0", "--paths", "5", "--json"});
+  CHECK_THAT(text.out, StartsWith("FROM (s)") && Contains("  walk  "));
+  const auto json =
+      RunMotiondb(server.address(),
+                  {"recognize", "walks", file, "--window", "all", "--hop", "0.2", "--layer", "7",
+                   "--top", "3", "--floor", "0", "--paths", "5", "--method", "paper", "--json"});
   CHECK_THAT(json.out, StartsWith("{\"windows\":[{\"start_seconds\":0,\"end_seconds\":0.4"));
   const auto requests = server.Requests<v1::RecognizeRequest>("Recognize");
   REQUIRE(requests.size() == 2);

@@ -1,4 +1,4 @@
-#include "client/cli/floor_plan_svg.h"
+#include "client/cli/plot/floor_plan_svg.h"
 
 #include <tinyxml2.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/cli/picture.h"
+#include "client/cli/plot/picture.h"
 #include "tests/client/planned_motion.h"
 #include "tests/client/svg_elements.h"
 

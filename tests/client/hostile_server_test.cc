@@ -10,11 +10,12 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/picture.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/plot/picture.h"
+#include "client/cli/terminal/progress_bar.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
+#include "tests/support/real_data.h"
 #include "tests/support/shown_text_cases.h"
 #include "text/display_text.h"
 
@@ -108,30 +109,57 @@ TEST_CASE("motiondb: strings of the server cannot control the terminal", "[clien
   server.Answer("GetDatabase", v1::GetDatabaseResponse());
   server.Answer("IngestClip", ingested);
 
+  v1::RecognizeResponse recognized;
+  v1::RecognitionWindow& window = *recognized.add_windows();
+  window.set_end_seconds(0.4);
+  window.set_layer(8);
+  window.add_labels()->set_label(kHostile);
+  v1::ClipProbability& best = *window.add_clips();
+  best.set_clip(clip.name());
+  best.set_label(kHostile);
+  server.Answer("Recognize", recognized);
+
   const TemporaryFolder folder;
   const std::string file = folder.Write("a.bvh", "a").string();
-  for (const std::vector<std::string>& command :
-       std::initializer_list<std::vector<std::string>>{{"list"},
-                                                       {"list", "d"},
-                                                       {"create", "d"},
-                                                       {"describe", "d"},
-                                                       {"operations", "list"},
-                                                       {"operations", "cancel", "x"},
-                                                       {"audit"},
-                                                       {"token", "list"},
-                                                       {"token", "create", "--role", "reader"},
-                                                       {"status"},
-                                                       {"verify"},
-                                                       {"ingest", "d", file},
-                                                       {"delete", "d", kHostile},
-                                                       {"list", "d", kHostile},
-                                                       {"recognize", "d", kHostile + ".bvh"}}) {
+  const std::string plot = (folder / "plot.svg").string();
+  const std::string profile = (folder / "profile.svg").string();
+  for (const std::vector<std::string>& command : std::initializer_list<std::vector<std::string>>{
+           {"list"},
+           {"list", "--csv"},
+           {"list", "d", "--csv"},
+           {"recognize", "d", file, "--plot", plot},
+           {"recognize", "d", file, "--plot-profile", profile},
+           {"recognize", "d", file, "--csv"},
+           {"list", "d"},
+           {"create", "d"},
+           {"describe", "d"},
+           {"operations", "list"},
+           {"operations", "cancel", "x"},
+           {"audit"},
+           {"token", "list"},
+           {"token", "create", "--role", "reader"},
+           {"status"},
+           {"verify"},
+           {"ingest", "d", file},
+           {"delete", "d", kHostile},
+           {"list", "d", kHostile},
+           {"recognize", "d", kHostile + ".bvh"}}) {
     CAPTURE(command);
     const auto result = RunMotiondb(server.address(), command);
     CheckHarmless(result.out);
     CheckHarmless(result.err);
     CHECK(result.out.size() + result.err.size() > 0);
   }
+
+  for (const std::string& picture : {plot, profile}) {
+    CAPTURE(picture);
+    CheckHarmless(ReadFile(picture));
+    CHECK_THAT(ReadFile(picture), Contains("2J"));  // the visible part
+  }
+  std::string offered = RunMotiondb(server.address(), {"__complete", "describe", ""}).out;
+  CHECK_THAT(offered, Contains("2J"));
+  std::erase(offered, '\t');  // before the description
+  CheckHarmless(offered);
 
   // JSON keeps the complete strings.
   const auto json = RunMotiondb(server.address(), {"--json", "list", "d"});

@@ -124,7 +124,8 @@ TEST_CASE("motiondb ingest --quiet: prints only errors", "[client][cli]") {
   for (const char* other : {"--verbose", "--json"}) {
     const auto refused = files.Ingest({"--quiet", other});
     CHECK(refused.exit_code == 2);
-    CHECK(refused.err == std::string("motiondb: --quiet excludes ") + other + "\n");
+    CHECK(refused.err ==
+          std::string("motiondb: --quiet excludes ") + other + "\nTry `motiondb ingest --help`.\n");
   }
 }
 

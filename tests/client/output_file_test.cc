@@ -121,5 +121,25 @@ TEST_CASE("OutputFile: file names that a server must not send", "[client]") {
   }
 }
 
+TEST_CASE("CheckCanWrite: finds what writing would find, and changes nothing", "[client]") {
+  const TemporaryFolder folder;
+  const auto old = folder.Write("old", "content");
+  std::filesystem::create_directory(folder / "folder");
+  std::filesystem::create_symlink("nowhere", folder / "link");
+  const std::set<std::string> before = Names(folder);
+  const std::filesystem::path long_name = folder / std::string(300, 'x');
+  for (const std::filesystem::path& bad : std::vector<std::filesystem::path>{
+           folder / "folder", folder / "none/new", old / "new", long_name, "/dev/null"}) {
+    CAPTURE(bad);
+    const absl::Status checked = client::CheckCanWrite({old, bad});
+    CHECK(!checked.ok());
+    CHECK_THAT(std::string(checked.message()), Catch::Contains(bad.string()));
+    CHECK(!client::WriteFileAtomically(bad, "x").ok());
+  }
+  CHECK(client::CheckCanWrite({old, folder / "new", folder / "link", ""}).ok());
+  CHECK(Names(folder) == before);
+  CHECK(ReadFile(old) == "content");
+}
+
 }  // namespace
 }  // namespace motiondb::tests::output_file_test

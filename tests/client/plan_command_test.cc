@@ -53,6 +53,19 @@ TEST_CASE("motiondb plan: needs only a goal", "[client][cli]") {
   CHECK(!request.include_files());
 }
 
+TEST_CASE("motiondb plan: angles in degrees where they are stated", "[client][cli]") {
+  FakeServer server;
+  server.Answer("Plan", QuarterCirclePlan());
+  REQUIRE(RunMotiondb(server.address(),
+                      {"plan", "walks", "--goal", "1,0.6,30deg", "--tolerance", "0.2,5deg"})
+              .exit_code == 0);
+  CHECK(Sent(server).goal().x_m() == 1);
+  CHECK(Sent(server).goal().heading_rad() == Approx(0.5235987756));
+  CHECK(Sent(server).heading_tolerance_rad() == Approx(0.0872664626));
+  REQUIRE(RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,0,-0.5rad"}).exit_code == 0);
+  CHECK(Sent(server).goal().heading_rad() == -0.5);
+}
+
 TEST_CASE("motiondb plan: --force accepts a heading of many turns", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", QuarterCirclePlan());
@@ -228,6 +241,12 @@ TEST_CASE("motiondb plan: fails if a file cannot be written", "[client][cli]") {
                                                      (folder / "none/to.bvh").string()});
   CHECK(result.exit_code == 1);
   CHECK_THAT(result.err, Contains("none/to.bvh"));
+  // It is found before the search, also of alternatives.
+  std::filesystem::create_directory(folder / "to-2.bvh");
+  CHECK(RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,1,0", "--alternatives", "1",
+                                       "--out", (folder / "to.bvh").string()})
+            .exit_code == 1);
+  CHECK(server.Requests<v1::PlanRequest>("Plan").empty());
 }
 
 TEST_CASE("motiondb plan: refuses invalid options before the call", "[client][cli]") {
@@ -249,6 +268,9 @@ TEST_CASE("motiondb plan: refuses invalid options before the call", "[client][cl
   refused(2, "--goal", {"--goal", "2,1"});
   refused(2, "--goal", {"--goal", "2,nan,0"});
   refused(2, "--goal", {"--goal", "2,1,"});
+  refused(2, "--goal", {"--goal", "2deg,1,0"});  // only angles
+  refused(2, "--goal", {"--goal", "2,1,deg"});
+  refused(2, "--disc", {"--goal", "2,1,0", "--disc", "1,1,3deg"});
   refused(2, "--start", {"--goal", "2,1,0", "--start", "07_01"});
   refused(2, "--start", {"--goal", "2,1,0", "--start", "07_01@-1"});
   refused(2, "--observation", {"--goal", "2,1,0", "--start", "a@1", "--observation", "b.bvh"});
@@ -258,9 +280,9 @@ TEST_CASE("motiondb plan: refuses invalid options before the call", "[client][cl
   refused(2, "--polygon", {"--goal", "2,1,0", "--polygon", "0,0,1,1,2,0,3"});
   refused(2, "--method", {"--goal", "2,1,0", "--method", "luck"});
   refused(2, "--alternatives", {"--goal", "2,1,0", "--alternatives", "11"});
-  refused(1, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan.fbx"});
-  refused(1, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan"});
-  refused(1, "FILE.svg", {"--goal", "2,1,0", "--plot", "plan.png"});
+  refused(2, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan.fbx"});
+  refused(2, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan"});
+  refused(2, "FILE.svg", {"--goal", "2,1,0", "--plot", "plan.png"});
   refused(1, "none.urdf", {"--goal", "2,1,0", "--skeleton", "none.urdf"});
   CHECK(server.Requests<v1::PlanRequest>("Plan").empty());
 }

@@ -1,8 +1,10 @@
+#include "client/cli/plan_text.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
 
-#include "client/cli/answer_text.h"
+#include "client/cli/terminal/terminal.h"
 #include "tests/client/planned_motion.h"
 
 namespace motiondb::tests::plan_text_test {
@@ -40,7 +42,7 @@ TEST_CASE("PlanText: alternatives are columns beside the best", "[client][cli]")
   other = QuarterCircle(2);
   other.set_outcome(v1::PLAN_OUTCOME_APPROXIMATE);
   other.mutable_quality()->clear_smallest_clearance_m();
-  const std::string text = PlanText(response);
+  const std::string text = WithStyles(PlanText(response), false);
   CHECK_THAT(text, Contains("BEST            2\n"));
   CHECK_THAT(text, Contains("outcome                          EXACT  APPROXIMATE\n"));
   CHECK_THAT(text, Contains("0.42            -\n"));

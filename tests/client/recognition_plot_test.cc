@@ -1,4 +1,4 @@
-#include "client/cli/recognition_plot.h"
+#include "client/cli/plot/recognition_plot.h"
 
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "client/cli/picture.h"
-#include "client/cli/recognition_plot_answer.h"
+#include "client/cli/plot/picture.h"
+#include "client/cli/plot/recognition_plot_answer.h"
 #include "tests/client/recognition_answers.h"
 #include "tests/client/svg_elements.h"
 

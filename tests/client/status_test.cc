@@ -55,6 +55,19 @@ v1::GetServerStatusResponse SomeStatus() {
   return status;
 }
 
+v1::GetServerStatusResponse IdleStatus() {
+  v1::GetServerStatusResponse status = SomeStatus();
+  v1::DatabaseStatus& walks = *status.mutable_databases(0);
+  walks.clear_failed_rebuild_count();
+  walks.clear_cancelled_rebuild_count();
+  walks.clear_operation();
+  return status;
+}
+
+std::string TextOf(const v1::GetServerStatusResponse& status, std::int64_t now_us) {
+  return WithStyles(StatusText(status, now_us), false);
+}
+
 TEST_CASE("DurationText: two units at most", "[client][cli]") {
   CHECK(DurationText(-3) == "0 s");
   CHECK(DurationText(59) == "59 s");
@@ -69,15 +82,6 @@ TEST_CASE("BytesText: uses the largest unit", "[client][cli]") {
   CHECK(BytesText(1536) == "1.5 KiB");
   CHECK(BytesText(std::int64_t{3} << 40) == "3.0 TiB");
   CHECK(BytesText(std::int64_t{3} << 52) == "12288.0 TiB");
-}
-
-TEST_CASE("LatencyText: three digits", "[client][cli]") {
-  CHECK(LatencyText(0) == "0.00 ms");
-  CHECK(LatencyText(0.00042) == "0.42 ms");
-  CHECK(LatencyText(0.0125) == "12.5 ms");
-  CHECK(LatencyText(0.999) == "999 ms");
-  CHECK(LatencyText(3.2) == "3.20 s");
-  CHECK(LatencyText(300) == "300 s");
 }
 
 void AddMethod(const std::string& name, std::int64_t calls, v1::GetServerStatusResponse& status) {
@@ -98,16 +102,17 @@ TEST_CASE("StatusText: latencies and errors of methods, most calls first", "[cli
     error->set_code(code);
     error->set_call_count(count);
   }
-  const std::string text = StatusText(status, 0);
+  const std::string text = TextOf(status, 0);
   CAPTURE(text);
   CHECK_THAT(
       text,
-      Contains("CALLS OF                ENDED      P50      P95     P99  ERRORS\n"
-               "QueryService.Recognize   1200  2.50 ms  75.0 ms  3.00 s  NOT_FOUND 3, INTERNAL 1\n"
-               "ClipService.IngestClip      7  2.50 ms  75.0 ms  3.00 s\n"));
+      Contains(
+          "CALLS OF                ENDED  P50 (ms)  P95 (ms)  P99 (ms)  ERRORS\n"
+          "QueryService.Recognize   1200      2.50      75.0      3000  NOT_FOUND 3, INTERNAL 1\n"
+          "ClipService.IngestClip      7      2.50      75.0      3000\n"));
   CHECK_THAT(text, !Contains("more methods"));
   for (int i = 0; i < 12; ++i) AddMethod("Some.Method" + std::to_string(i), i, status);
-  const std::string more = StatusText(status, 0);
+  const std::string more = TextOf(status, 0);
   CHECK_THAT(more, Contains("Some.Method4 ") && Contains("and 4 more methods\n"));
   CHECK_THAT(more, !Contains("Some.Method3 "));
 }
@@ -117,14 +122,14 @@ TEST_CASE("StatusText: shows the most active of many databases", "[client][cli]"
   for (int i = 0; i < 10; ++i) {
     status.add_databases()->set_name("databases/some" + std::to_string(i));
   }
-  CHECK_THAT(StatusText(status, 0), Contains("\nempty ") && !Contains("more databases"));
+  CHECK_THAT(TextOf(status, 0), Contains("\nempty ") && !Contains("more databases"));
   status.add_databases()->set_name("databases/large");
   status.mutable_databases(12)->set_stored_frame_count(99'999);
   status.add_databases()->set_name("databases/streams");
   status.mutable_databases(13)->set_open_stream_count(2);
   status.add_databases()->set_name("databases/work");
   status.mutable_databases(14)->set_operation("operations/10");
-  const std::string text = StatusText(status, 0);
+  const std::string text = TextOf(status, 0);
   CAPTURE(text);
   CHECK_THAT(text, Contains("and 3 more databases: `motiondb list`\n"));
   for (const char* const name : {"\nlarge ", "\nstreams ", "\nwork ", "\nwalks "}) {
@@ -137,7 +142,7 @@ TEST_CASE("StatusText: expiry of the certificate", "[client][cli]") {
   status.set_encrypted(true);
   status.mutable_certificate_end_time()->set_seconds(1'800'000'000);
   CHECK_THAT(
-      StatusText(status, 0),
+      TextOf(status, 0),
       Contains("connections           encrypted, certificate valid until 2027-01-15 08:00 UTC, "
                "authentication: DISABLED"));
 }
@@ -147,7 +152,7 @@ TEST_CASE("StatusText: failed writes and heavy calls", "[client][cli]") {
   status.set_not_ready_reason("queries are answered, but nothing is stored: the disk is full");
   status.set_failed_write_count(1);
   status.set_running_heavy_call_count(2);
-  const std::string text = StatusText(status, 0);
+  const std::string text = TextOf(status, 0);
   CHECK_THAT(text, Contains("0.1.0, serving, but not ready: queries are answered, but nothing is "
                             "stored: the disk is full\n"));
   CHECK_THAT(text, Contains("log 0 B, 1 failed write; "));
@@ -157,11 +162,11 @@ TEST_CASE("StatusText: failed writes and heavy calls", "[client][cli]") {
 TEST_CASE("StatusText: an unknown disk size is omitted", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.clear_disk_bytes();
-  CHECK_THAT(StatusText(status, 0), Contains("store                 2.0 KiB, log 0 B\n"));
+  CHECK_THAT(TextOf(status, 0), Contains("store                 2.0 KiB, log 0 B\n"));
 }
 
 TEST_CASE("StatusText: the server, then its databases and their builds", "[client][cli]") {
-  const std::string text = StatusText(SomeStatus(), 1'065'000'000);
+  const std::string text = TextOf(SomeStatus(), 1'065'000'000);
   CAPTURE(text);
   CHECK_THAT(text, StartsWith("motiondbd             0.1.0, serving\n"));
   CHECK_THAT(text, Contains("up                    1 min 5 s\n"));
@@ -173,15 +178,18 @@ TEST_CASE("StatusText: the server, then its databases and their builds", "[clien
                             "23 threads, 40 of 1024 files open\n"));
   CHECK_THAT(text, Contains("store                 2.0 KiB, log 0 B; 0 B of 4.0 GiB free on its "
                             "disk\n"));
-  CHECK_THAT(text, Contains("DATABASE  CLIPS  FRAMES     SIZE  STREAMS  MODEL  OF FRAMES         "
-                            "AGE  BUILT IN  REBUILDS      "
-                            "  "
-                            "                     BEING REBUILT\n"
-                            "walks         7   12345  3.0 MiB        1      3      11969  3 min 20 "
-                            "s    420 ms  12, 1 failed, "
-                            "2 cancelled in 5.00 s  [####......] 42 %  tree\n"
-                            "empty         0       0      0 B        0   none                      "
-                            "             0\n"));
+  CHECK_THAT(text, Contains("DATABASE  CLIPS  FRAMES  SIZE (MiB)  STREAMS\n"
+                            "walks         7   12345        3.00        1\n"
+                            "empty         0       0        0.00        0\n"));
+  CHECK_THAT(
+      text,
+      Contains("MODEL OF  VERSION  FRAMES  AGE (h)  BUILT IN (s)  REBUILDS  TIME (s)  FAILED  "
+               "CANCELLED  DONE (%)  STAGE\n"
+               "walks           3   11969     0.06          0.42        12      5.00       1  "
+               "        2        42  tree\n"
+               "empty        none                                        0\n"));
+  // Columns without any content are left out.
+  CHECK_THAT(TextOf(IdleStatus(), 0), Contains("REBUILDS  TIME (s)\n") && !Contains("FAILED"));
   CHECK_THAT(text, !Contains("corrupt"));
 }
 
@@ -193,7 +201,7 @@ TEST_CASE("StatusText: lists at most five corrupt items", "[client][cli]") {
     corruption->set_resource("databases/walks/clips/c" + std::to_string(i));
     corruption->set_description("checksum");
   }
-  const std::string text = StatusText(status, 0);
+  const std::string text = TextOf(status, 0);
   CAPTURE(text);
   CHECK_THAT(text, Contains("no databases; create one"));
   CHECK_THAT(text, Contains("corrupt: 8") && Contains("databases/walks/clips/c4: checksum\n") &&

@@ -12,27 +12,19 @@
 #include <memory>
 #include <set>
 
-#include "client/cli/answer_text.h"
 #include "client/cli/database_text.h"
-#include "client/cli/print.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/query/estimation_text.h"
+#include "client/cli/query/prediction_text.h"
+#include "client/cli/query/recognition_text.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/terminal/print.h"
+#include "client/cli/terminal/progress_bar.h"
 #include "tests/support/packed_floats.h"
 
 namespace motiondb::tests::text_test {
 namespace {
 
 using namespace client;  // NOLINT: the functions under test
-
-TEST_CASE("Table: columns are aligned, also with two-byte characters", "[client][cli]") {
-  Table table({{"NAME"}, {"SIZE", Align::kRight}, {"NOTE"}});
-  table.AddRow({"Müller", "7", ""});
-  table.AddRow({"Li", "1234", "x"});
-  CHECK(table.ToString() ==
-        "NAME    SIZE  NOTE\n"
-        "Müller     7\n"
-        "Li      1234  x\n");
-}
 
 TEST_CASE("ResourceName: short and full names are equivalent", "[client][cli]") {
   CHECK(DatabaseName("walks") == "databases/walks");
@@ -51,7 +43,7 @@ TEST_CASE("CountText: singular and plural", "[client][cli]") {
   CHECK(CountText(2, "clip") == "2 clips");
 }
 
-TEST_CASE("RecognitionText: a line for each window, then the share of each label",
+TEST_CASE("RecognitionText: a line for each window or answer, then the share of each label",
           "[client][cli]") {
   v1::RecognizeResponse response;
   for (int i = 0; i < 3; ++i) {
@@ -67,18 +59,31 @@ TEST_CASE("RecognitionText: a line for each window, then the share of each label
     second->set_probability(i == 2 ? 1e-9 : 0.02);
     window->add_clips()->set_clip("databases/walks/clips/07_01");
   }
-  CHECK(RecognitionText(response, 0.5) ==
-        "0.00-0.40 s  walk 0.98  jog 0.02     familiarity 0.71  best clip 07_01\n"
-        "0.10-0.50 s  jog 0.98   walk 0.02    familiarity 0.71  best clip 07_01\n"
-        "0.20-0.60 s  walk 0.98               familiarity 0.71  best clip 07_01\n"
-        "walk 67 % (2 of 3 windows), jog 33 % (1 of 3 windows)\n");
+  const std::string shares = "walk 67 % (2 of 3 windows), jog 33 % (1 of 3 windows)\n";
+  CHECK(WithStyles(RecognitionText(response, 0.5, Windows::kEvery), false) ==
+        "FROM (s)  TO (s)  ANSWER  PROBABILITY  FAMILIARITY  BEST CLIP\n"
+        "    0.00    0.40  walk           0.98         0.71  07_01\n"
+        "    0.10    0.50  jog            0.98         0.71  07_01\n"
+        "    0.20    0.60  walk           0.98         0.71  07_01\n" +
+            shares);
+  // Successive windows with the same answer are one row, with means and the most frequent clip.
+  auto* next = response.mutable_windows(1);
+  next->mutable_labels(0)->set_label("walk");
+  next->mutable_labels(0)->set_probability(0.5);
+  next->set_familiarity(0.11);
+  next->mutable_clips(0)->set_clip("databases/walks/clips/02_01");
+  CHECK(WithStyles(RecognitionText(response, 0.5, Windows::kMerged), false) ==
+        "FROM (s)  TO (s)  WINDOWS  ANSWER  PROBABILITY  FAMILIARITY  BEST CLIP\n"
+        "    0.00    0.60        3  walk           0.82         0.51  07_01\n"
+        "walk 100 % (3 of 3 windows)\n");
 }
 
 TEST_CASE("RecognitionText: reports that nothing was recognized", "[client][cli]") {
   v1::RecognizeResponse response;
-  CHECK(RecognitionText(response, 0.5) == "nothing recognized\n");
+  CHECK(RecognitionText(response, 0.5, Windows::kMerged) == "nothing recognized\n");
   response.add_windows();
-  CHECK_THAT(RecognitionText(response, 0.5), Catch::Contains("no clip explains it"));
+  CHECK_THAT(RecognitionText(response, 0.5, Windows::kMerged),
+             Catch::Contains("none") && Catch::EndsWith("nothing recognized\n"));
 }
 
 TEST_CASE("EstimationText: paths are runs of node x frames", "[client][cli]") {
@@ -105,7 +110,7 @@ TEST_CASE("EstimationText: positions and expected errors of missing markers", "[
   frame.set_marker_count(2);
   const std::string text = EstimationText(response, {"Pelvis", "LWrist"});
   CHECK_THAT(text, Catch::Contains("filled in at 1.20 s"));
-  CHECK_THAT(text, Catch::Contains("LWrist") && Catch::Contains("1.000  -2.000   0.500") &&
+  CHECK_THAT(text, Catch::Contains("LWrist") && Catch::Contains("1.000  -2.000  0.500") &&
                        Catch::Contains("0.012"));
   CHECK_THAT(text, !Catch::Contains("Pelvis"));
 }
@@ -124,7 +129,7 @@ TEST_CASE("EstimationText: a long path is wrapped", "[client][cli]") {
   CHECK_THAT(text, Catch::Contains(" 199x1\n"));
 }
 
-TEST_CASE("PredictionText: positions of the body and the first marker only", "[client][cli]") {
+TEST_CASE("PredictionText: next nodes, and the middle of the body", "[client][cli]") {
   v1::PredictResponse response;
   response.set_at_seconds(1.2);
   auto* next = response.add_next_nodes();
@@ -135,21 +140,45 @@ TEST_CASE("PredictionText: positions of the body and the first marker only", "[c
   frame->set_seconds(0.08);
   frame->set_confidence(0.9);
   frame->set_marker_positions(Pack({1, 2, 3, 3, 4, 5}));
-  const std::string text = PredictionText(response, {"root", "head"}, 0.5);
-  CHECK_THAT(text, !Catch::Contains("extrapolate"));
+  const std::string text = WithStyles(PredictionText(response, {}), false);
+  CHECK_THAT(text, !Catch::Contains("extrapolate") && !Catch::Contains("ACTUAL"));
+  CHECK_THAT(text, Catch::StartsWith("from 1.20 s"));
+  CHECK_THAT(text, Catch::Contains("NEXT NODE  PROBABILITY  AS IN\n"
+                                   "       58         0.61  c0 c1 c2 c3 and 2 more\n"));
+  CHECK_THAT(text, Catch::Contains("AHEAD (s)  WITHIN 5 cm  MIDDLE X (m)  Y (m)  Z (m)\n"
+                                   "     0.08         0.90         2.000  3.000  4.000\n"));
+}
+
+TEST_CASE("PredictionText: notes of extrapolation", "[client][cli]") {
+  v1::PredictResponse response;
   response.set_unknown_probability(0.87);
-  frame = response.add_horizons();
+  auto* frame = response.add_horizons();
   frame->set_seconds(3);
   frame->set_extrapolated(true);
-  const std::string beyond = PredictionText(response, {"root", "head"}, 0.5);
-  CHECK_THAT(beyond, Catch::Contains("unknown 0.87: the motion before that time") &&
-                         Catch::Contains("extrapolated from 3.00 s: no similar stored motion"));
-  CHECK_THAT(PredictionText(response, {"root", "head"}, 0.9), !Catch::Contains("unknown"));
-  CHECK_THAT(text, Catch::StartsWith("from 1.20 s"));
-  CHECK_THAT(text, Catch::Contains("next node 58  0.61  as in c0 c1 c2 c3 and 2 more"));
-  CHECK_THAT(text, Catch::Contains("root x, y, z (m)"));
-  CHECK_THAT(text, Catch::Contains("0.08 s") && Catch::Contains("2.000   3.000   4.000") &&
-                       Catch::Contains("1.000   2.000   3.000"));
+  CHECK_THAT(PredictionText(response, {}),
+             Catch::Contains("unknown 0.87: the motion before that time") &&
+                 Catch::Contains("extrapolated from 3.00 s: no similar stored motion"));
+  CHECK_THAT(PredictionText(response, {.unknown_threshold = 0.9}), !Catch::Contains("unknown"));
+}
+
+TEST_CASE("PredictionText: the error against the motion that follows", "[client][cli]") {
+  v1::MarkerObservation motion;
+  motion.set_frame_rate_hz(10);
+  motion.set_frame_count(4);
+  motion.set_positions(Pack({0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0,     // 0.0, 0.1 s
+                             0, 0, 3, 1, 0, 3, 0, 0, 0, 0, 0, 0}));  // 0.2, 0.3 s
+  v1::PredictResponse response;
+  response.set_at_seconds(0.1);
+  for (const double seconds : {0.1, 1.0}) {
+    auto* frame = response.add_horizons();
+    frame->set_seconds(seconds);
+    frame->set_expected_error_m(2);
+    frame->set_marker_positions(Pack({0, 0, 0, 1, 0, 1}));  // 3 m and 2 m away from the truth
+  }
+  const std::string text = WithStyles(PredictionText(response, {.motion = &motion}), false);
+  CHECK_THAT(text, Catch::Contains("AHEAD (s)  ERROR (m)  ACTUAL (m)  MIDDLE X (m)"));
+  CHECK_THAT(text, Catch::Contains("     0.10      2.000       2.500 ") &&
+                       Catch::Contains("     1.00      2.000             "));
 }
 
 TEST_CASE("DescriptionText: statistics of Table I and nodes of each layer", "[client][cli]") {
@@ -161,7 +190,7 @@ TEST_CASE("DescriptionText: statistics of Table I and nodes of each layer", "[cl
   description.set_layer_count(2);
   description.add_nodes_per_layer(1);
   description.add_nodes_per_layer(2);
-  const std::string text = DescriptionText(description);
+  const std::string text = WithStyles(DescriptionText(description), false);
   CHECK_THAT(text, Catch::Contains("frames                11969\n"));
   CHECK_THAT(text, Catch::Contains("model version          none\n"));
   CHECK_THAT(text, Catch::Contains("7 clips are stored; 6 of them in the model\n"));
@@ -184,26 +213,27 @@ TEST_CASE("DescriptionText, RecognitionText, PredictionText: kind of calibration
       "is "
       "stored then\n";
   v1::RecognizeResponse recognition;
-  CHECK_THAT(RecognitionText(recognition, 0.5), !Catch::Contains("calibration"));
+  CHECK_THAT(RecognitionText(recognition, 0.5, Windows::kMerged), !Catch::Contains("calibration"));
   recognition.set_calibration(v1::CALIBRATION_PREVIOUS);
-  CHECK_THAT(RecognitionText(recognition, 0.5), Catch::EndsWith(previous));
+  CHECK_THAT(RecognitionText(recognition, 0.5, Windows::kMerged), Catch::EndsWith(previous));
   v1::PredictResponse prediction;
   prediction.set_calibration(v1::CALIBRATION_PREVIOUS);
-  CHECK_THAT(PredictionText(prediction, {}, 0.5), Catch::EndsWith(previous));
+  CHECK_THAT(PredictionText(prediction, {}), Catch::EndsWith(previous));
 }
 
-TEST_CASE("DescriptionText, ClipsText: glitch policy and found glitches", "[client][cli]") {
+TEST_CASE("DescriptionText, ClipsTable: glitch policy and found glitches", "[client][cli]") {
   v1::DatabaseStatistics description;
   description.set_glitches(v1::GLITCHES_KEEP);
   CHECK_THAT(DescriptionText(description), Catch::Contains("glitches               keep\n"));
   v1::Clip clip;
   clip.set_name("databases/walks/clips/a");
   clip.set_glitches("repaired (1): frame 101: all markers jump");
-  CHECK_THAT(ClipsText({clip}),
+  CHECK_THAT(ClipsTable({clip}).ToString(),
              Catch::Contains("GLITCHES") && Catch::Contains("frame 101: all markers jump"));
 }
 
-TEST_CASE("DescriptionText, ClipsText: clips that could not be derived again", "[client][cli]") {
+TEST_CASE("DescriptionText, UnderivedText: clips that could not be derived again",
+          "[client][cli]") {
   v1::DatabaseStatistics description;
   CHECK_THAT(DescriptionText(description), !Catch::Contains("derived"));
   description.set_underived_clip_count(2);
@@ -217,9 +247,9 @@ TEST_CASE("DescriptionText, ClipsText: clips that could not be derived again", "
   CHECK(text.find('\x1b') == std::string::npos);
   v1::Clip clip;
   clip.set_name("databases/walks/clips/a");
-  CHECK_THAT(ClipsText({clip}), !Catch::Contains("derived"));
+  CHECK(UnderivedText(std::vector{clip}).empty());
   clip.set_derive_error("chunk 0 is corrupt");
-  CHECK_THAT(ClipsText({clip}), Catch::EndsWith("\nnot derived again:\n  a: chunk 0 is corrupt\n"));
+  CHECK(UnderivedText(std::vector{clip}) == "\nnot derived again:\n  a: chunk 0 is corrupt\n");
 }
 
 TEST_CASE("IngestedClipText: the report of the reader is below its clip", "[client][cli]") {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "client/cli/answer_text.h"
 #include "client/cli/database_text.h"
 #include "client/cli/observe_replay.h"
+#include "client/cli/query/recognition_text.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
@@ -47,40 +47,43 @@ v1::RecognizeResponse UnknownThenWalk() {
   return response;
 }
 
+std::string TextOf(const v1::RecognizeResponse& response, double threshold) {
+  return WithStyles(RecognitionText(response, threshold, Windows::kMerged), false);
+}
+
 TEST_CASE("RecognitionText: unknown windows are called so and counted", "[client][cli]") {
   const v1::RecognizeResponse response = UnknownThenWalk();
-  CHECK(RecognitionText(response, kThreshold) ==
-        "0.00-0.40 s  unknown 0.83  walk 0.10  jog 0.07                familiarity 0.02  no clip "
-        "explains it\n"
-        "0.10-0.50 s  walk 0.95     jog 0.05             unknown 0.00  familiarity 0.71  no clip "
-        "explains it\n"
+  CHECK(TextOf(response, kThreshold) ==
+        "FROM (s)  TO (s)  WINDOWS  ANSWER   PROBABILITY  UNKNOWN  FAMILIARITY  BEST CLIP\n"
+        "    0.00    0.40        1  unknown         0.83     0.83         0.02  none\n"
+        "    0.10    0.50        1  walk            0.95     0.00         0.71  none\n"
         "unknown 50 % (1 of 2 windows), walk 50 % (1 of 2 windows)\n");
-  CHECK_THAT(RecognitionText(response, 0.9),
-             Catch::Contains("0.00-0.40 s  walk 0.10  jog 0.07    unknown 0.83") &&
-                 Catch::EndsWith("\nwalk 100 % (2 of 2 windows)\n"));
-  CHECK_THAT(RecognitionText(response, 0.83),
+  CHECK(TextOf(response, 0.9) ==
+        "FROM (s)  TO (s)  WINDOWS  ANSWER  PROBABILITY  UNKNOWN  FAMILIARITY  BEST CLIP\n"
+        "    0.00    0.50        2  walk           0.53     0.42         0.36  none\n"
+        "walk 100 % (2 of 2 windows)\n");
+  CHECK_THAT(TextOf(response, 0.83),
              Catch::EndsWith("\nwalk 100 % (2 of 2 windows)\n"));  // not greater
-  CHECK_THAT(RecognitionText(response, 0), Catch::EndsWith("\nunknown 100 % (2 of 2 windows)\n"));
+  CHECK_THAT(TextOf(response, 0), Catch::EndsWith("\nunknown 100 % (2 of 2 windows)\n"));
 }
 
 TEST_CASE("RecognitionText: unknown windows are kept apart from a label named unknown",
           "[client][cli]") {
   v1::RecognizeResponse response = UnknownThenWalk();
   response.mutable_windows(1)->mutable_labels(0)->set_label("unknown");
-  CHECK_THAT(RecognitionText(response, kThreshold),
+  CHECK_THAT(TextOf(response, kThreshold),
              Catch::EndsWith("\nunknown 50 % (1 of 2 windows), unknown 50 % (1 of 2 windows)\n"));
 }
 
 TEST_CASE("RecognitionText: windows without the probability stay as they are", "[client][cli]") {
   v1::RecognizeResponse response = UnknownThenWalk();
   response.mutable_windows(0)->clear_unknown_probability();
-  CHECK_THAT(RecognitionText(response, kThreshold),
-             Catch::StartsWith("0.00-0.40 s  walk 0.10  jog 0.07                  familiarity") &&
+  CHECK_THAT(TextOf(response, kThreshold),
+             Catch::Contains("    0.00    0.50        2  walk           0.53     0.00  ") &&
                  Catch::EndsWith("\nwalk 100 % (2 of 2 windows)\n"));
   response.mutable_windows(1)->clear_unknown_probability();
-  CHECK_THAT(RecognitionText(response, 0),
-             Catch::StartsWith("0.00-0.40 s  walk 0.10  jog 0.07    familiarity 0.02") &&
-                 !Catch::Contains("unknown"));
+  CHECK_THAT(TextOf(response, 0), Catch::Contains("  walk           0.53         0.36  none") &&
+                                      !Catch::Contains("UNKNOWN") && !Catch::Contains("unknown"));
 }
 
 TEST_CASE("ObserveAnswerLine: unknown precedes the labels, or follows them", "[client][cli]") {
@@ -141,6 +144,10 @@ TEST_CASE("motiondb recognize: --unknown-threshold, and the note about the calib
                               Catch::EndsWith(UnknownNote(v1::CALIBRATION_ONE_LABEL)));
   CHECK_THAT(run({"--unknown-threshold", "0.9"}).out, Catch::Contains("\nwalk 100 % (2 of 2"));
   CHECK_THAT(run({"--method", "paper"}).out, !Catch::Contains("no probability"));
+  const auto without_effect = run({"--method", "paper", "--unknown-threshold", "0.9"});
+  CHECK(without_effect.exit_code == 2);
+  CHECK_THAT(without_effect.err,
+             Catch::Contains("--unknown-threshold has no effect with --method paper"));
   const std::string json = run({"--json"}).out;
   CHECK_THAT(json, Catch::Contains("\"unknown_probability\":0.83") &&
                        Catch::Contains("\"calibration\":\"CALIBRATION_ONE_LABEL\"") &&

@@ -21,12 +21,12 @@ page() {
 
 # complete_words PROGRAM WORD...: prints the completions after these words.
 complete_words() {
-  bash -c '. "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); "_$1"; printf "%s\n" "${COMPREPLY[@]}"' \
+  PATH=$(dirname "${!1}"):$PATH bash -c '. "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); "_$1"; printf "%s\n" "${COMPREPLY[@]}"' \
     - "$written/completions/$1" "$@"
 }
 
 options_of() {  # PROGRAM COMMAND...
-  "$@" --help | grep -oE '^ +(-[a-z],)?--[a-z][-a-z]*' | grep -oE -- '--[a-z][-a-z]*'
+  "$@" --help | grep -oE '^  (-[a-z],)?--[a-z][-a-z]*' | grep -oE -- '--[a-z][-a-z]*'
 }
 
 commands_of() {  # PROGRAM COMMAND...
@@ -36,7 +36,7 @@ commands_of() {  # PROGRAM COMMAND...
 check_values() {  # PROGRAM COMMAND... OPTION: checks that the completions of the option are its values in the help
   local program=$1 option=${!#} value word offered=0
   set -- "${@:2:$#-2}"
-  value=$("${!program}" "$@" --help | sed -nE "s/^ +(-[a-z],)?$option ([^ ]+).*/\2/p")
+  value=$("${!program}" "$@" --help | sed -nE "s/^  (-[a-z],)?$option ([^ ]+).*/\2/p")
   complete_words "$program" "$@" "$option" "" >"$work/offered"
   if [[ -z $value || $value == \(Env:* ]]; then  # a flag changes nothing
     complete_words "$program" "$@" "" | diff - "$work/offered" >&2 || { echo "$program $* $option" >&2; missing=1; }

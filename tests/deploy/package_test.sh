@@ -100,6 +100,9 @@ for program in motiondb motiondbd; do
     _completion_loader $program; complete -p $program" | grep -q "_$program" ||
     fail "no completion for $program"
 done
+for file in zsh/vendor-completions/_motiondb fish/vendor_completions.d/motiondb.fish; do
+  [ -s "$root/usr/share/$file" ] || fail "no /usr/share/$file"
+done
 enter_root "$root" systemd-analyze verify motiondbd.service 2>&1 | grep -v "^$" >"$work/unit" || true
 if grep -q motiondbd "$work/unit"; then
   cat "$work/unit" >&2

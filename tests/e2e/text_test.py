@@ -114,18 +114,20 @@ class TextTest(programs.WithServer):
         self.make_database()
         self.store_in_clip(label=HOSTILE, subject=HOSTILE, file_name=HOSTILE + ".bvh",
                            source_report=HOSTILE)
-        plot = self.path("plot.svg")
+        plot, profile = self.path("plot.svg"), self.path("profile.svg")
         commands = [["list", "d"], ["describe", "d"], ["audit"], ["operations", "list"], ["status"],
                     ["recognize", "d", self.swing, "--plot", plot], ["verify"],
+                    ["recognize", "d", self.swing, "--plot-profile", profile],
                     ["export", "d", "swing", "--out", self.path("out")]]
         for command in commands:
             result = self.server.run(*command)
             self.assert_harmless(result.stdout)
             self.assert_harmless(result.stderr)
             self.assertGreater(len(result.stdout) + len(result.stderr), 0)
-        with open(plot, encoding="utf-8") as file:
-            self.assert_harmless(file.read())
-        xml.dom.minidom.parse(plot)
+        for picture in (plot, profile):
+            with open(picture, encoding="utf-8") as file:
+                self.assert_harmless(file.read())
+            xml.dom.minidom.parse(picture)
         printed = self.server.run("--json", "list", "d").stdout
         self.assert_harmless(printed)
         self.assertEqual(json.loads(printed)["label"], HOSTILE)

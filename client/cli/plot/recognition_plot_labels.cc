@@ -1,0 +1,133 @@
+#include "client/cli/plot/recognition_plot_labels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <tuple>
+
+namespace motiondb::client {
+
+namespace {
+
+struct Colour {
+  const char* code;
+  const char* text;  // colour of text on it
+};
+
+constexpr Colour kColours[] = {
+    {"#0072b2", "#fff"}, {"#d55e00", "#fff"}, {"#009e73", "#fff"}, {"#cc79a7", "#222"},
+    {"#e69f00", "#222"}, {"#56b4e9", "#222"}, {"#222222", "#fff"}, {"#999999", "#222"},
+};
+constexpr int kColourCount = static_cast<int>(std::size(kColours));
+
+constexpr const char* kDashes[] = {"", "6 3", "2 2"};
+constexpr const char* kPatterns[] = {"", "<circle cx=\"3\" cy=\"3\" r=\"1.2\" fill=\"#fff\"/>",
+                                     "<rect x=\"2\" width=\"1.6\" height=\"6\" fill=\"#fff\"/>"};
+constexpr int kVariants = static_cast<int>(std::size(kDashes));
+static_assert(std::size(kPatterns) == std::size(kDashes) &&
+              kLabelStyles == kColourCount * kVariants);
+
+int VariantOf(int place) { return place / kColourCount % kVariants; }
+
+}  // namespace
+
+std::vector<PlotLabel> SortedLabels(const std::map<std::string, PlotLabel>& by_name) {
+  std::vector<PlotLabel> labels;
+  for (const auto& [name, label] : by_name) labels.emplace_back(label).name = name;
+  if (static_cast<int>(labels.size()) <= kColourCount) return labels;
+  std::stable_sort(labels.begin(), labels.end(), [](const PlotLabel& a, const PlotLabel& b) {
+    return std::tie(a.windows_won, a.probability, a.line_count, a.clip_count) >
+           std::tie(b.windows_won, b.probability, b.line_count, b.clip_count);
+  });
+  return labels;
+}
+
+std::map<std::string, int> LabelIndices(const std::vector<PlotLabel>& labels) {
+  std::map<std::string, int> places;
+  for (const PlotLabel& label : labels) places.emplace(label.name, static_cast<int>(places.size()));
+  return places;
+}
+
+std::string LabelLineStyle(int place) {
+  const int variant = VariantOf(place);
+  return fmt::format("c{}{}", place % kColourCount,
+                     variant > 0 ? fmt::format(" d{}", variant) : "");
+}
+
+std::string LabelAreaStyle(int place) { return fmt::format("a{}", place % kLabelStyles); }
+
+std::string LabelTextStyle(int place) { return fmt::format("t{}", place % kColourCount); }
+
+std::string LabelPlateStyle(int place) {
+  return VariantOf(place) > 0 ? fmt::format("a{}", place % kColourCount) : "";
+}
+
+std::string LabelStyleSheet() {
+  std::string sheet;
+  for (int i = 0; i < kColourCount; ++i) {
+    sheet +=
+        fmt::format("    .c{0} {{ stroke: {1}; }} .a{0} {{ fill: {1}; }} .t{0} {{ fill: {2}; }}\n",
+                    i, kColours[i].code, kColours[i].text);
+  }
+  for (int i = kColourCount; i < kLabelStyles; ++i) {
+    sheet += fmt::format("    .a{0} {{ fill: url(#p{0}); }}\n", i);
+  }
+  for (int i = 1; i < kVariants; ++i) {
+    sheet += fmt::format("    .d{} {{ stroke-dasharray: {}; }}\n", i, kDashes[i]);
+  }
+  return sheet;
+}
+
+std::string LabelPatternsSvg(int count) {
+  std::string svg;
+  for (int i = kColourCount; i < std::min(count, kLabelStyles); ++i) {
+    svg += fmt::format(
+        "<pattern id=\"p{}\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\">"
+        "<rect width=\"6\" height=\"6\" fill=\"{}\"/>{}</pattern>\n",
+        i, kColours[i % kColourCount].code, kPatterns[VariantOf(i)]);
+  }
+  return svg;
+}
+
+namespace {
+
+constexpr double kNameMargin = 5;
+constexpr double kNameCharacter = 8;  // width of a plate, for wide fonts
+
+}  // namespace
+
+bool NameFits(std::string_view text, double width) {
+  return TruncateToWidth(std::string(text), width - 2 * kNameMargin) == text;
+}
+
+std::string FittingName(const std::string& name, double width) {
+  constexpr double kMinWidth = 70;
+  return width < kMinWidth ? name : TruncateToWidth(name, width - 2 * kNameMargin);
+}
+
+std::string StripSvg(std::string_view kind, const std::vector<StripPart>& parts, double top,
+                     double height) {
+  std::string svg;
+  for (const StripPart& part : parts) {
+    svg += part.tooltip.empty() ? "<g>\n"
+                                : fmt::format("<g><title>{}</title>\n", SvgText(part.tooltip));
+    svg += SvgRectangle(fmt::format("{} {}", kind, part.area_style), part.left, top, part.width,
+                        height);
+    if (!part.text.empty() && NameFits(part.text, part.width)) {
+      const double middle = part.left + part.width / 2;
+      if (!part.plate_style.empty()) {
+        const double width =
+            std::min(part.width, kNameCharacter * static_cast<double>(part.text.size()));
+        svg += SvgRectangle(part.plate_style, middle - width / 2, top, width, height);
+      }
+      svg += SvgLabel(
+          fmt::format("{}-name{}{}", kind, part.text_style.empty() ? "" : " ", part.text_style),
+          middle, top + height / 2 + 4, part.text, "text-anchor=\"middle\"");
+    }
+    svg += "</g>\n";
+  }
+  return svg;
+}
+
+}  // namespace motiondb::client

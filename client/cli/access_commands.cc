@@ -175,8 +175,7 @@ void AddTokenCommand(CommandLine line) {
                       "motiondb token create --role reader --expires 30d\nmotiondb token list");
   AddCommand<TokenCreateOptions>(inner, "create", "Create a token and print its secret, once",
                                  "motiondb token create --role reader --expires 30d\n"
-                                 "motiondb token create --role ingester --database walks "
-                                 "--description 'the recording PC'",
+                                 "motiondb token create --role ingester --database walks",
                                  DeclareCreate, RunCreate);
   AddCommand<TokenListOptions>(inner, "list", "List tokens, without their secrets",
                                "motiondb token list", DeclareList, RunList);

@@ -67,6 +67,13 @@ const std::vector<QualityRow>& QualityRows() {
        }},
       {"marker fit error (rms)", "m",
        [](const auto& q) { return fmt::format("{:.3f}", q.marker_fit_rms_m()); }},
+      {"unlike stored motion", "",
+       [](const auto& q) {
+         return q.has_unknown_probability()
+                    ? fmt::format("{:.2f} at {:.2f} s", q.unknown_probability(),
+                                  q.unknown_at_seconds())
+                    : std::string("-");
+       }},
       {"smallest clearance", "m",
        [](const auto& q) {
          return q.has_smallest_clearance_m() ? fmt::format("{:.2f}", q.smallest_clearance_m())

@@ -94,6 +94,12 @@ struct PlayedSegment {
   std::int32_t last_frame = 0;
 };
 
+// The 0.4-s window of a plan that is least like stored motion.
+struct UnlikeStored {
+  double probability = 0;  // that the motion has none of the labels of the database
+  double seconds = 0;      // middle of the window
+};
+
 struct PlanQuality {
   double position_error_m = 0;   // of the end of the motion
   double heading_error_rad = 0;  // not negative
@@ -103,6 +109,7 @@ struct PlanQuality {
   double correction_heading_rad = 0;  // not negative
   std::optional<double> smallest_clearance_m;  // root path to obstacles; absent without any
   MotionQuality motion;
+  std::optional<UnlikeStored> unknown;  // absent if the model is not calibrated for it
   // On a skeleton:
   double marker_fit_rms_m = 0;     // synthesised markers to those of the joint angles
   int joint_limit_violations = 0;  // number of angles beyond a limit

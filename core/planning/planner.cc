@@ -8,6 +8,7 @@
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/body.h"
+#include "core/planning/extrapolation.h"
 #include "core/planning/plan.h"
 #include "core/planning/random_sampling.h"
 #include "core/planning/root_correction.h"
@@ -197,16 +198,18 @@ class Planner {
       // A motion that is cut would need another path, not another aim.
       if (best->outcome == PlanOutcome::kExact || best->cut || TimeUp()) break;
     }
-    Add(*std::move(best));
-    return absl::OkStatus();
+    return Add(*std::move(best));
   }
 
-  void Add(PlannedMotion motion) {
+  absl::Status Add(PlannedMotion motion) {
     if (motion.joints && problem_.dynamics && problem_.dynamics->has_masses()) {
       motion.forces =
           MeasureForces(body_, *problem_.dynamics, *motion.joints, motion.markers, motion.contacts);
     }
+    MOTIONDB_RETURN_IF_ERROR(MeasureExtrapolation(model_, scheme_.set, body_.leg_length_m(),
+                                                  control_.cancelled, motion));
     answer_.motions.push_back(std::move(motion));
+    return absl::OkStatus();
   }
 
   bool TimeUp() const { return control_.time_up && control_.time_up(); }
@@ -267,8 +270,7 @@ class Planner {
     planned.bottom_nodes = std::move(path.bottom_nodes);
     MOTIONDB_RETURN_IF_ERROR(
         RetargetToBody(scheme_, body_, problem_, motion, control_.cancelled, planned));
-    Add(std::move(planned));
-    return absl::OkStatus();
+    return Add(std::move(planned));
   }
 
   // Sorts the motions, best first, and sets the overall outcome.

@@ -62,6 +62,10 @@ void SetQuality(const core::PlanQuality& quality, v1::PlanQuality& message) {
   message.set_joint_speed_violations(quality.rate_violations.speeds);
   message.set_joint_acceleration_violations(quality.rate_violations.accelerations);
   message.set_stored_duration_seconds(quality.recorded_seconds);
+  if (quality.unknown) {
+    message.set_unknown_probability(quality.unknown->probability);
+    message.set_unknown_at_seconds(quality.unknown->seconds);
+  }
 }
 
 // Sets what joint limits do to the motion, and the efforts that it needs. REQUIRES: the message has

@@ -31,6 +31,7 @@ plays 07_01 0.50-2.50 s
   peak joint jerk         rad/s^3      0
   joint limits exceeded                0
   marker fit error (rms)  m        0.000
+  unlike stored motion                 -
   smallest clearance      m         0.42
 searched 1234 states in 0.046 s, 1 improvement; 0.300 s including the motion; leg length 0.850 m
 )");
@@ -52,6 +53,8 @@ TEST_CASE("PlanText: what joint limits do, efforts and balance", "[client][cli]"
   v1::PlanResponse response = QuarterCirclePlan();
   v1::PlannedMotion& motion = *response.mutable_motion();
   motion.mutable_quality()->set_stored_duration_seconds(1.5);
+  motion.mutable_quality()->set_unknown_probability(0.31);
+  motion.mutable_quality()->set_unknown_at_seconds(0.7);
   motion.mutable_quality()->set_joint_limit_violations(1);
   motion.mutable_quality()->set_joint_speed_violations(20);
   motion.mutable_quality()->set_joint_acceleration_violations(300);
@@ -72,6 +75,7 @@ TEST_CASE("PlanText: what joint limits do, efforts and balance", "[client][cli]"
   motion.mutable_balance()->set_at_seconds(1.25);
   motion.mutable_balance()->set_outside_seconds(0.5);
   motion.mutable_balance()->set_supported_seconds(2);
+  CHECK_THAT(PlanText(response), Contains("unlike stored motion             0.31 at 0.70 s\n"));
   CHECK_THAT(PlanText(response), Contains(R"(
 slowed by joint limits from 1.50 s to 2.00 s
   3.00 times at 1.00-1.50 s by the acceleration of knee1
@@ -83,7 +87,7 @@ ankle2 needs an effort of 20 at 0.25 s, limit 20
 ankle1 needs an effort of 10 at 0.25 s, limit 20
 zero-moment point 0.040 m outside the soles at 1.25 s, outside for 0.50 of 2.00 s
 )"));
-  CHECK_THAT(PlanText(response), Contains("joint limits exceeded              321\n"));
+  CHECK_THAT(PlanText(response), Contains("joint limits exceeded                       321\n"));
 }
 
 TEST_CASE("PlanText: reports why a goal is unreachable", "[client][cli]") {

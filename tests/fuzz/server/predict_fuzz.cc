@@ -21,7 +21,7 @@ absl::Status Predict(const v1::PredictRequest& request, v1::PredictResponse& res
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             server::ParseObservation("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, query.Predict(observation, options));
-  server::SetPrediction(answer, "db", query.model(), options.method, response);
+  server::SetPrediction(answer, "db", query.model(), response);
   return absl::OkStatus();
 }
 

@@ -61,7 +61,7 @@ TEST_CASE("Extend: a clip is known while its build has not begun", "[server][ext
   options.rebuild_delay = options.rebuild_delay_limit = std::chrono::hours(1);
   engine.set_options(options);
   engine.Start();
-  const auto waiting = engine.Ingest("db", "more", Walk(0.77));
+  const auto waiting = engine.Ingest("db", "more", Walk(0.25));
   REQUIRE(waiting.ok());
   const auto extended = AwaitKnown(engine, "more");
   CHECK(extended->record.added_clip_count == 1);
@@ -73,7 +73,7 @@ TEST_CASE("Extend: an operation ends without a build if few frames were added",
   TestEngine engine(Extending());
   BuildWalks(engine, 20);
   const auto built = Current(engine);
-  const auto operation = engine.Wait(engine.Ingest("db", "more", Walk(0.77))->operation.id);
+  const auto operation = engine.Wait(engine.Ingest("db", "more", Walk(0.25))->operation.id);
   REQUIRE(operation.state == OperationState::kSucceeded);
   const auto extended = Current(engine);
   CHECK(Knows(*extended, "more"));
@@ -132,7 +132,7 @@ TEST_CASE("Extend: a clip that comes during a build is known before and after it
   CHECK(built->record.added_clip_count == 0);
   CHECK(built->model.clips().size() == 25);
   // The extension waits until the model is stored, and extends that model.
-  const auto late = engine.Ingest("db", "late", Walk(0.77));
+  const auto late = engine.Ingest("db", "late", Walk(0.75));
   REQUIRE(late.ok());
   engine.model_gate().Open();
   REQUIRE(engine.Wait(operation).state == OperationState::kSucceeded);
@@ -173,7 +173,7 @@ TEST_CASE("Extend: queries are answered during extensions", "[server][extend]") 
 TEST_CASE("Extend: a model with short builds is rebuilt", "[server][extend]") {
   TestEngine engine;
   BuildWalks(engine, 20);
-  engine.Wait(engine.Ingest("db", "more", Walk(0.77))->operation.id);
+  engine.Wait(engine.Ingest("db", "more", Walk(0.25))->operation.id);
   CHECK(Current(engine)->record.added_clip_count == 0);
   CHECK(Current(engine)->model.clips().size() == 21);
 }

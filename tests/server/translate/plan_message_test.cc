@@ -142,12 +142,15 @@ TEST_CASE("PlanMessage: joint limits, efforts and balance", "[server][translate]
   motion.forces = core::RobotForces{{{2, 25, 0.5}, {3, 1, 0}}, core::Balance{-0.25, 0.5, 1, 2}};
   motion.quality.rate_violations = {4, 5};
   motion.quality.recorded_seconds = 6;
+  motion.quality.unknown = core::UnlikeStored{0.25, 1.5};
   v1::PlanResponse message;
   REQUIRE(Set(answer, false, message, body).ok());
   const v1::PlannedMotion& planned = message.motion();
   CHECK(planned.quality().joint_speed_violations() == 4);
   CHECK(planned.quality().joint_acceleration_violations() == 5);
   CHECK(planned.quality().stored_duration_seconds() == 6);
+  CHECK(planned.quality().unknown_probability() == 0.25);
+  CHECK(planned.quality().unknown_at_seconds() == 1.5);
   REQUIRE(planned.slowed_parts_size() == 2);
   CHECK(planned.slowed_parts(0).dof_name() == "elbow");
   CHECK(planned.slowed_parts(0).limit() == v1::JOINT_LIMIT_SPEED);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs missing Debian 12 packages for the given purposes, for example: install_packages.sh build
-# test
+# Installs missing Debian 12 packages for the given purposes, and package files, for example:
+#   install_packages.sh build test ./motiondb.deb
 set -euo pipefail
 
 build=(
@@ -33,7 +33,10 @@ test=(
   python3-numpy      # reads the files of `motiondb dump`
   python3-prometheus-client # parses the metrics
 )
-demo=(assimp-testmodels)
+demo=(
+  assimp-testmodels  # a boxer in BVH
+  python3-minimal    # generates the motion of the demo
+)
 fuzz=(
   clang            # compiler with libFuzzer
   libclang-rt-dev  # run-time libraries of libFuzzer and the sanitizers
@@ -53,6 +56,7 @@ deploy_test=(       # additional packages for tests/deploy
   openssl           # certificates of tests
   systemd           # systemd-analyze, which checks the unit
   man-db            # renders the manual pages
+  zsh fish          # complete the command line
   bsdextrautils     # col, which removes bold text
   python3-yaml      # the Kubernetes manifests
 )
@@ -66,7 +70,8 @@ for purpose in "$@"; do
     fuzz) wanted+=("${fuzz[@]}") ;;
     lint) wanted+=("${lint[@]}") ;;
     deploy-test) wanted+=("${deploy_test[@]}") ;;
-    *) echo "install_packages.sh: expected build, test, demo, fuzz, lint or deploy-test, got '$purpose'" >&2; exit 2 ;;
+    */*.deb) wanted+=("$purpose") ;;
+    *) echo "install_packages.sh: expected build, test, demo, fuzz, lint, deploy-test or a path of a .deb file, got '$purpose'" >&2; exit 2 ;;
   esac
 done
 
@@ -93,4 +98,8 @@ if [[ " ${missing[*]} " =~ \ (nginx-light|prometheus)\  && ! -e $policy ]]; then
   "${as_root[@]}" chmod 755 "$policy"
 fi
 "${as_root[@]}" apt-get update -qq
-"${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+"${as_root[@]}" apt-get install -y -qq --no-install-recommends -o APT::Status-Fd=1 "${missing[@]}" |
+  awk -F: '/^(dl|pm)status:/ {
+             stage = $1 == "dlstatus" ? "downloading" : "unpacking and configuring"
+             if (!seen[stage, int($3 / 10)]++) { printf "  %s: %d %%\n", stage, $3; fflush() }
+           }'

@@ -182,19 +182,21 @@ class HeldOutClip {
     return evidence;
   }
 
+  static WindowAlignment WithoutClips(const WindowAlignment& alignment) {
+    return {.frames = alignment.frames, .energy = alignment.energy, .noise = alignment.noise};
+  }
+
   void AddKnown(const WindowAlignment& alignment, TrialResults& results) const {
     if (!has_label_) return;
     std::vector<double> evidence = EvidenceOf(alignment, false);
     const double own_fit = FitWithoutNoise(evidence[label_], alignment);
-    results.unknown.push_back({{false, clip_, label_, {}, own_fit},
-                               std::move(evidence),
-                               {{}, alignment.frames, alignment.energy, alignment.noise, 0}});
+    results.unknown.push_back(
+        {{false, clip_, label_, {}, own_fit}, std::move(evidence), WithoutClips(alignment)});
   }
 
   void AddUnknown(const WindowAlignment& others, TrialResults& results) const {
-    results.unknown.push_back({{true, clip_, label_, {}, 0},
-                               EvidenceOf(others, true),
-                               {{}, others.frames, others.energy, others.noise, 0}});
+    results.unknown.push_back(
+        {{true, clip_, label_, {}, 0}, EvidenceOf(others, true), WithoutClips(others)});
   }
 
   const Model& model_;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "core/motion/states.h"
-
 namespace motiondb::core {
 namespace {
 
@@ -38,14 +36,8 @@ std::optional<double> FloorLevel(const MarkerSet& set, const MarkerMotion& motio
   return level_m;
 }
 
-double MoveToFloor(const MarkerSet& set, std::optional<double> leg_length_m, MarkerMotion& motion) {
-  if (set.landmarks.legs.empty()) return 0;
-  if (!leg_length_m) {
-    const auto measured = EstimateLegLength(set, motion);
-    if (!measured.ok()) return 0;
-    leg_length_m = *measured;
-  }
-  const double level_m = FloorLevel(set, motion, *leg_length_m).value_or(0);
+double MoveToFloor(const MarkerSet& set, double leg_length_m, MarkerMotion& motion) {
+  const double level_m = FloorLevel(set, motion, leg_length_m).value_or(0);
   for (Eigen::Index z = 2; z < motion.positions_m.cols(); z += 3) {
     motion.positions_m.col(z).array() -= static_cast<float>(level_m);
   }

@@ -18,7 +18,7 @@ std::optional<double> FloorLevel(const MarkerSet& set, const MarkerMotion& motio
                                  double leg_length_m);
 
 // Moves the motion up or down so that its floor is at z = 0, and returns the height (m) at which
-// the floor was. Returns 0 if no floor was found. Without `leg_length_m`, it is measured.
-double MoveToFloor(const MarkerSet& set, std::optional<double> leg_length_m, MarkerMotion& motion);
+// the floor was. Returns 0 if no floor was found.
+double MoveToFloor(const MarkerSet& set, double leg_length_m, MarkerMotion& motion);
 
 }  // namespace motiondb::core

@@ -79,20 +79,16 @@ void DropPoseAtStart(const MarkerSet& set, double leg_length_m, MarkerMotion& mo
 // glitch policy and derives markers. Returns the remaining glitches.
 absl::StatusOr<std::vector<FrameSpan>> CleanMotion(GlitchPolicy policy, const MarkerSet& set,
                                                    const Eigen::Vector2d& origin,
-                                                   std::optional<double> leg_length_m,
-                                                   MarkerMotion& motion,
+                                                   double leg_length_m, MarkerMotion& motion,
                                                    std::vector<std::string>& notes) {
-  if (!leg_length_m) {
-    MOTIONDB_ASSIGN_OR_RETURN(leg_length_m, EstimateLegLength(set, motion));
-  }
   std::vector<FrameSpan> glitches;
   // ComputeStates rejects other leg lengths later.
-  if (!(*leg_length_m >= kMinLeg_m && *leg_length_m <= kMaxLeg_m)) return glitches;
-  DropPoseAtStart(set, *leg_length_m, motion, notes);
+  if (!(leg_length_m >= kMinLeg_m && leg_length_m <= kMaxLeg_m)) return glitches;
+  DropPoseAtStart(set, leg_length_m, motion, notes);
   MOTIONDB_ASSIGN_OR_RETURN(
       glitches,
-      ApplyGlitchPolicy(policy, FindGlitches(motion, *leg_length_m, origin), motion, notes));
-  MOTIONDB_RETURN_IF_ERROR(AddDerivedMarkers(set, *leg_length_m, motion, notes));
+      ApplyGlitchPolicy(policy, FindGlitches(motion, leg_length_m, origin), motion, notes));
+  MOTIONDB_RETURN_IF_ERROR(AddDerivedMarkers(set, leg_length_m, motion, notes));
   return glitches;
 }
 
@@ -284,15 +280,18 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   const Eigen::Vector2d origin = FloorOrigin(motion);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped,
                             ApplySchemeFrom(origin, scheme, motion, leg_length_m, cancelled));
+  // ComputeStates estimates the size again, from the resampled motion, and reports errors.
+  const absl::StatusOr<double> size_m =
+      leg_length_m ? *leg_length_m : EstimateLegLength(scheme.set, mapped);
   // After the mapping, because only markers in use must be complete.
   std::vector<FrameSpan> glitches;
   std::vector<std::string> found;
   if (cleaning) {
-    MOTIONDB_ASSIGN_OR_RETURN(
-        glitches, CleanMotion(*cleaning, scheme.set, origin, leg_length_m, mapped, found));
-  } else if (const auto leg = leg_length_m ? *leg_length_m : EstimateLegLength(scheme.set, mapped);
-             leg.ok()) {
-    ReplacePoseAtStart(scheme.set, *leg, mapped);
+    MOTIONDB_RETURN_IF_ERROR(size_m.status());
+    MOTIONDB_ASSIGN_OR_RETURN(glitches,
+                              CleanMotion(*cleaning, scheme.set, origin, *size_m, mapped, found));
+  } else if (size_m.ok()) {
+    ReplacePoseAtStart(scheme.set, *size_m, mapped);
   }
   MOTIONDB_RETURN_IF_ERROR(CheckPositions(origin, mapped));
   if (cleaning) {
@@ -304,7 +303,7 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   }
   if (notes != nullptr) notes->insert(notes->end(), found.begin(), found.end());
   MOTIONDB_RETURN_IF_ERROR(check_cancelled());
-  const double floor_m = MoveToFloor(scheme.set, leg_length_m, mapped);
+  const double floor_m = size_m.ok() ? MoveToFloor(scheme.set, *size_m, mapped) : 0;
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
   const double source_rate_hz = mapped.frame_rate_hz;
   mapped = {};

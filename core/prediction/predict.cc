@@ -150,12 +150,10 @@ absl::StatusOr<std::optional<double>> UnknownProbabilityOf(const Model& model,
                                                            const StateSequence& past,
                                                            const Cancelled& cancelled) {
   if (!model.recognition().window.unknown) return std::nullopt;
-  RecognizeOptions options;
-  options.window_seconds =
-      std::min(options.window_seconds, past.frame_count() / past.frame_rate_hz);
+  const RecognizeOptions options;
   const int width = static_cast<int>(std::lround(options.window_seconds * past.frame_rate_hz));
   MOTIONDB_ASSIGN_OR_RETURN(
-      const auto windows,
+      const auto windows,  // one
       Recognize(model, PastAt(past, past.frame_count() - 1, width), options, cancelled));
   return windows.front().unknown_probability;
 }

@@ -162,11 +162,10 @@ TEST_CASE("PredictionText: notes of extrapolation", "[client][cli]") {
 }
 
 TEST_CASE("PredictionText: the error against the motion that follows", "[client][cli]") {
-  v1::MarkerObservation motion;
-  motion.set_frame_rate_hz(10);
-  motion.set_frame_count(4);
-  motion.set_positions(Pack({0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0,     // 0.0, 0.1 s
-                             0, 0, 3, 1, 0, 3, 0, 0, 0, 0, 0, 0}));  // 0.2, 0.3 s
+  PredictionView view;
+  view.motion_m = {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0,   // 0.0, 0.1 s
+                   0, 0, 3, 1, 0, 3, 0, 0, 0, 0, 0, 0};  // 0.2, 0.3 s
+  view.frame_rate_hz = 10;
   v1::PredictResponse response;
   response.set_at_seconds(0.1);
   for (const double seconds : {0.1, 1.0}) {
@@ -175,7 +174,7 @@ TEST_CASE("PredictionText: the error against the motion that follows", "[client]
     frame->set_expected_error_m(2);
     frame->set_marker_positions(Pack({0, 0, 0, 1, 0, 1}));  // 3 m and 2 m away from the truth
   }
-  const std::string text = WithStyles(PredictionText(response, {.motion = &motion}), false);
+  const std::string text = WithStyles(PredictionText(response, view), false);
   CHECK_THAT(text, Catch::Contains("AHEAD (s)  ERROR (m)  ACTUAL (m)  MIDDLE X (m)"));
   CHECK_THAT(text, Catch::Contains("     0.10      2.000       2.500 ") &&
                        Catch::Contains("     1.00      2.000             "));

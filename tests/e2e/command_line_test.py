@@ -104,7 +104,7 @@ class Restored(CommandLine):
         own = self.server.run("restore", backup)
         self.assertEqual(own.returncode, 0, own.stderr)
         self.assertNotIn("valid", own.stdout)
-        # In another store, nobody knows that it was revoked.
+        # Another store has no record of the revocation.
         other = Server(self.path("other.db"))
         try:
             for json_flag in ([], ["--json"]):

@@ -82,6 +82,9 @@ class Demo(unittest.TestCase):
 
         self.assertEqual(ending["programs"], os.path.realpath(self.programs))
         address = ending["server"].split()[0]
+        self.assertIn(f"motiondbd --store {self.demo}/motion.db --listen {address}",
+                      ending["restart"])
+        self.assertIn(f"{self.demo}/plan.svg", ending["open next"])
         listed = subprocess.run([MOTIONDB, "--server", address, "list"], capture_output=True,
                                 text=True)
         self.assertIn("demo", listed.stdout)

@@ -72,16 +72,15 @@ absl::Status Run(const PredictOptions& options, const GlobalOptions& global) {
   return AskForFiles(
       options.query, global, [&](const Client& client, QueriedFile& file) -> absl::Status {
         *request.mutable_observation() = file.TakeObservation();
-        v1::RepresentResponse represented;
         PredictionView view{.unknown_threshold = options.unknown_threshold};
-        if (options.compare) {
+        if (options.compare && !global.json) {
           v1::RepresentRequest whole;
           whole.set_database(request.database());
           *whole.mutable_observation() = request.observation();
-          auto answer = client.Represent(whole);
-          if (!answer.ok()) return answer.status();
-          represented = *std::move(answer);
-          view.motion = &represented.markers();
+          const auto represented = client.Represent(whole);
+          if (!represented.ok()) return represented.status();
+          view.motion_m = UnpackFloats(represented->markers().positions());
+          view.frame_rate_hz = represented->markers().frame_rate_hz();
         }
         const auto print = [&](const v1::PredictResponse& response) {
           file.Print(

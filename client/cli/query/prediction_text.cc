@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <motiondb/client.h>
-#include <motiondb/v1/observation.pb.h>
 #include <motiondb/v1/query.pb.h>
 
 #include <algorithm>
@@ -58,12 +57,10 @@ std::array<double, 3> MiddleOf(const v1::PredictedFrame& frame) {
 
 // Returns the mean distance (m) of the markers from the motion at the same time, from its nearest
 // frame. NaN if the motion is absent or too short.
-double ActualError(const v1::MarkerObservation* motion, double at_seconds,
-                   const v1::PredictedFrame& frame) {
-  if (motion == nullptr) return kNotKnown;
-  const long now = std::lround((at_seconds + frame.seconds()) * motion->frame_rate_hz());
+double ActualError(const PredictionView& view, double at_seconds, const v1::PredictedFrame& frame) {
+  const std::vector<float>& seen = view.motion_m;
+  const long now = std::lround((at_seconds + frame.seconds()) * view.frame_rate_hz);
   const std::vector<float> predicted = UnpackFloats(frame.marker_positions());
-  const std::vector<float> seen = UnpackFloats(motion->positions());
   const std::size_t first = static_cast<std::size_t>(now) * predicted.size();
   if (now < 0 || predicted.empty() || first + predicted.size() > seen.size()) return kNotKnown;
   double sum = 0;
@@ -93,7 +90,7 @@ Table HorizonsTable(const v1::PredictResponse& response, const PredictionView& v
         Cell(frame.seconds(), 2),
         Cell(frame.has_confidence() ? frame.confidence() : kNotKnown, 2),
         Cell(frame.has_expected_error_m() ? frame.expected_error_m() : kNotKnown, 3),
-        Cell(ActualError(view.motion, response.at_seconds(), frame), 3),
+        Cell(ActualError(view, response.at_seconds(), frame), 3),
         Cell(middle[0], 3),
         Cell(middle[1], 3),
         Cell(middle[2], 3)};

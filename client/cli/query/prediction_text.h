@@ -4,6 +4,7 @@
 #include <motiondb/messages.h>
 
 #include <string>
+#include <vector>
 
 #include "client/cli/query/query_options.h"
 #include "client/cli/terminal/table.h"
@@ -12,8 +13,10 @@ namespace motiondb::client {
 
 struct PredictionView {
   double unknown_threshold = kDefaultUnknownThreshold;
-  // The whole motion, on the markers of the database, to compare predictions with; may be null.
-  const v1::MarkerObservation* motion = nullptr;
+  // The whole motion, to compare predictions with: positions (m) of the markers of the database in
+  // each frame. Empty: no comparison.
+  std::vector<float> motion_m;
+  double frame_rate_hz = 0;
 };
 
 // Returns the next nodes with their probabilities, and for each horizon the confidence, the

@@ -47,8 +47,7 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
   AddQueryOptions(command, options.query);
   command.footer(
       "--layer, --floor and --paths need --method paper or --plot-profile; --unknown-threshold "
-      "needs "
-      "--method best.");
+      "needs --method best.");
   command
       .add_option("--window", options.window, "Width of the sliding window, or all of the motion")
       ->type_name("SECONDS|all")

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "core/format/file_format.h"
@@ -25,9 +27,21 @@ struct DatabaseRecord {
   std::int64_t create_time_us = 0;
 };
 
+// A moment, as the value of a field of the user.
+struct FieldTime {
+  std::int64_t time_us = 0;
+
+  bool operator==(const FieldTime&) const = default;
+};
+
+// Value of a field of the user.
+using FieldValue = std::variant<std::string, double, bool, FieldTime>;
+using Fields = std::map<std::string, FieldValue>;  // by name
+
 struct ClipRecord {
   std::string database;
   std::string id;
+  // Label of the segment of track kActionTrack that covers the clip; empty if there is none.
   std::string label;
   std::string subject;
   std::string file_name;           // without folders
@@ -54,6 +68,36 @@ struct ClipRecord {
   std::int32_t tried_version = core::kRepresentationVersion;
   std::int64_t tried_time_us = 0;
   std::string derive_error;
+
+  // Annotations of the clip, apart from its segments.
+  std::string title;
+  std::string description;
+  std::vector<std::string> tags;  // ascending, distinct
+  Fields fields;
+  std::int64_t revision = 0;      // of the last change of this record; its etag. Set by the store.
+  std::int64_t edit_time_us = 0;  // of the last edit; 0: none. Set by the store.
+};
+
+inline constexpr char kActionTrack[] = "action";
+
+enum class SegmentSource { kPerson = 1, kImport = 2, kSuggestion = 3 };
+
+// A labelled time range of a clip. Segments of one track of a clip do not overlap.
+struct SegmentRecord {
+  std::string database;
+  std::string clip;
+  std::string id;  // unique in the clip
+  std::string track = kActionTrack;
+  std::string label;
+  double start_seconds = 0;
+  std::optional<double> end_seconds;  // none: the end of the clip
+  SegmentSource source = SegmentSource::kPerson;
+  double confidence = 1;
+  // Set by the store:
+  std::int64_t revision = 0;  // of the last change; its etag
+  std::string author;         // of the last change
+  std::int64_t create_time_us = 0;
+  std::int64_t update_time_us = 0;
 };
 
 // A clip to add.
@@ -66,6 +110,8 @@ struct NewClip {
   std::optional<core::Skeleton> skeleton;
   std::optional<std::string>
       marker_set_text;  // marker set of the first clip of a `source` database
+  // Segments of the clip besides that of its label.
+  std::vector<SegmentRecord> segments;
   // Makes the audit entry of the stored clip, which is stored in the same transaction; empty: no
   // entry. May be called more than once, on the writer thread.
   std::function<AuditRecord(const ClipRecord&)> audit;

@@ -112,17 +112,22 @@ class AnnotationStore {
   virtual ~AnnotationStore() = default;
 
   // Makes the changes in order, in one transaction, and returns the edit. Changes without effect
-  // are not in it; without any effect nothing is stored and its id is 0. ABORTED if an object's
-  // revision differs; NOT_FOUND; ALREADY_EXISTS (segment id); FAILED_PRECONDITION with reason
-  // SEGMENTS_OVERLAP, or if a label is set and the clip has other segments on the track;
-  // INVALID_ARGUMENT if a segment ends before it starts or more than half a frame after its clip.
-  // The message begins with the index of the change, as in `changes[3]`, if there are several.
+  // are not in it; without any effect nothing is stored and its id is 0. A change of a segment that
+  // changes the label of its clip also changes the clip. ABORTED if an object's revision differs
+  // from the one before the edit; NOT_FOUND; ALREADY_EXISTS (segment id); FAILED_PRECONDITION with
+  // reason SEGMENTS_OVERLAP, or with CLIP_HAS_SEGMENTS if a label is set and the clip has other
+  // segments on the track; INVALID_ARGUMENT if a segment does not end after it starts, or ends more
+  // than half a frame after its clip. An end within half a frame of the end of the clip is stored
+  // as none. The message begins with the index of the change, as in `changes[3]`, if there are
+  // several.
   virtual absl::StatusOr<EditRecord> Edit(const std::string& database,
                                           std::span<const Change> changes,
                                           const std::string& author,
                                           const WriteOptions& terms = {}) = 0;
-  // Restores the states before an edit, as a new edit. ABORTED, naming the object, if one was
-  // changed since; NOT_FOUND if the edit is unknown or no longer kept.
+  // Restores the states before an edit, as a new edit. ABORTED, naming the object, if the state of
+  // one is not the one after the edit: undo later edits first. FAILED_PRECONDITION with reason
+  // SEGMENTS_OVERLAP if a later segment is in the place of a restored one; NOT_FOUND if the edit is
+  // unknown or no longer kept.
   virtual absl::StatusOr<EditRecord> UndoEdit(const std::string& database, std::int64_t edit,
                                               const std::string& author,
                                               const WriteOptions& terms = {}) = 0;
@@ -143,12 +148,19 @@ class AnnotationStore {
   // Returns the revision of a database.
   virtual absl::StatusOr<std::int64_t> Revision(const std::string& database) = 0;
   // Returns the changes after a revision, ascending by revision: at least `limit` if there are that
-  // many, and all of the last one's transaction. An object that changed several times is listed
-  // once, with its last state; a deleted one as Deleted. The segments of a deleted clip are not
-  // listed. OUT_OF_RANGE with reason REVISION_TOO_OLD if `after` is not 0 and tombstones after it
-  // were removed (the last 100,000 are kept). One snapshot of the database.
+  // many, and all of the last one's transaction. Of one transaction, deletions come first, then
+  // clips, segments and the model. A clip that changed after its segments is listed after them. An
+  // object that changed several times is listed once, with its
+  // last state; a deleted one as Deleted. The segments of a deleted clip are not listed. A clip
+  // with the id of a deleted one is listed after the deletion. OUT_OF_RANGE with reason
+  // REVISION_TOO_OLD if `after` is not 0 and deletions after it are no longer known (the last
+  // 100,000 are kept). One snapshot of the database.
+  //
+  // `begun`: the revision of the database before the caller began to read from 0 on, if it did: it
+  // needs no deletions up to that revision. 0: the caller has the whole state of `after`.
   virtual absl::StatusOr<std::vector<ChangeRecord>> Changes(const std::string& database,
-                                                            std::int64_t after, int limit) = 0;
+                                                            std::int64_t after, int limit,
+                                                            std::int64_t begun = 0) = 0;
 
   // Returns the clips whose title, description, tags, labels, subject or file name contain all
   // words of a query: `walk*` is a prefix, `"slow walk"` a phrase. Upper and lower case and accents

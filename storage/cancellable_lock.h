@@ -1,4 +1,4 @@
-// A mutex that may be held for long. Waiting for it can be cancelled.
+// A mutex and a semaphore that may be held for long. Waiting for them can be cancelled.
 #pragma once
 
 #include <memory>
@@ -13,36 +13,44 @@ inline absl::Status CancelledInQueue() {
   return absl::CancelledError("the request was cancelled while it waited in the queue");
 }
 
-class CancellableMutex {
+class CancellableSemaphore {
  public:
   struct Unlock {
-    void operator()(CancellableMutex* mutex) const { mutex->Release(); }
+    void operator()(CancellableSemaphore* semaphore) const { semaphore->Release(); }
   };
-  // Releases the mutex on destruction. Null: holds no mutex.
-  using Holder = std::unique_ptr<CancellableMutex, Unlock>;
+  // Releases one place on destruction. Null: holds none.
+  using Holder = std::unique_ptr<CancellableSemaphore, Unlock>;
 
-  // Waits for the mutex. Returns CANCELLED within about 20 ms after `cancelled` returns true.
+  // `places`: maximum number of holders, at least 1.
+  explicit CancellableSemaphore(int places) : free_(places) {}
+
+  // Waits for a place. Returns CANCELLED within about 20 ms after `cancelled` returns true.
   absl::StatusOr<Holder> Lock(const core::Cancelled& cancelled) {
     const MutexLock lock(mutex_);
     const bool is_free = released_.WaitOrCancel(mutex_, cancelled, [this] {
       mutex_.AssertHeld();
-      return !is_held_;
+      return free_ > 0;
     });
     if (!is_free) return CancelledInQueue();
-    is_held_ = true;
+    --free_;
     return Holder(this);
   }
 
  private:
   void Release() {
     const MutexLock lock(mutex_);
-    is_held_ = false;
+    ++free_;
     released_.NotifyOne();
   }
 
   Mutex mutex_;
   ConditionVariable released_;
-  bool is_held_ ABSL_GUARDED_BY(mutex_) = false;
+  int free_ ABSL_GUARDED_BY(mutex_);
+};
+
+class CancellableMutex : public CancellableSemaphore {
+ public:
+  CancellableMutex() : CancellableSemaphore(1) {}
 };
 
 }  // namespace motiondb::storage

@@ -18,6 +18,7 @@
 #include "core/motion/cancellation.h"
 #include "core/tree/parallel.h"
 #include "storage/access_store.h"
+#include "storage/annotation_store.h"
 #include "storage/records.h"
 #include "storage/store_maintenance.h"
 
@@ -79,8 +80,11 @@ class MotionStore {
   // Returns the stored clip for which AddClip returns ALREADY_EXISTS: with the same content, or
   // with the fixed id. NOT_FOUND if there is none.
   virtual absl::StatusOr<ClipRecord> FindSameClip(const NewClip& clip) = 0;
-  // Deletes the clip `before` and adds `clip`, in one transaction. ABORTED if `before` was deleted
-  // or replaced since it was listed; otherwise as AddClip.
+  // Deletes the clip `before` and adds `clip`, in one transaction. The clip keeps its segments and
+  // those annotations that `clip` does not have: given segments replace the former ones of their
+  // tracks, and a label that of the clip, but not segments of parts of it. Ends after a shorter
+  // clip are removed, and segments after it. ABORTED if `before` was deleted or replaced since it
+  // was listed; otherwise as AddClip.
   virtual absl::StatusOr<ClipRecord> ReplaceClip(const ClipRecord& before, const NewClip& clip) = 0;
   virtual absl::StatusOr<ClipRecord> GetClip(const std::string& database,
                                              const std::string& clip) = 0;
@@ -102,8 +106,8 @@ class MotionStore {
   // Stores the results of deriving clips of a database again, in one transaction. New states
   // replace the stored ones. The current model does not change: the old states stay on disk like
   // those of a deleted clip. Returns the records as stored. Skips clips that were deleted or
-  // replaced since they were listed. INVALID_ARGUMENT if a record's frame_count differs from the
-  // number of its states.
+  // replaced since they were listed. Annotations and segments stay, as in ReplaceClip.
+  // INVALID_ARGUMENT if a record's frame_count differs from the number of its states.
   virtual absl::StatusOr<std::vector<ClipRecord>> PutDerived(
       const std::string& database, std::span<const DerivedClip> clips) = 0;
 
@@ -166,6 +170,9 @@ class MotionStore {
   // is low, it blocks for a small test write, at most once a second.
   virtual absl::Status CheckWrites() = 0;
   virtual WriteFailures write_failures() const = 0;
+
+  // Edits, segments, changes and text search. Valid as long as this store.
+  virtual AnnotationStore& annotations() = 0;
 
   // Tokens and the audit log. Valid as long as this store.
   virtual AccessStore& access() = 0;

@@ -12,6 +12,7 @@
 #include "core/format/file_format.h"
 #include "core/format/motion_file.h"
 #include "core/model/build_settings.h"
+#include "core/model/label_tracks.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/skeleton.h"
 #include "core/motion/states.h"
@@ -78,11 +79,12 @@ struct ClipRecord {
   std::int64_t edit_time_us = 0;  // of the last edit; 0: none. Set by the store.
 };
 
-inline constexpr char kActionTrack[] = "action";
+using core::kActionTrack;
 
 enum class SegmentSource { kPerson = 1, kImport = 2, kSuggestion = 3 };
 
-// A labelled time range of a clip. Segments of one track of a clip do not overlap.
+// A labelled time range of a clip. Segments of one track of a clip do not overlap. The segment that
+// covers the clip starts at 0 and has no end.
 struct SegmentRecord {
   std::string database;
   std::string clip;
@@ -112,6 +114,7 @@ struct NewClip {
       marker_set_text;  // marker set of the first clip of a `source` database
   // Segments of the clip besides that of its label.
   std::vector<SegmentRecord> segments;
+  std::string author;  // of the segments; see AuditRecord::principal
   // Makes the audit entry of the stored clip, which is stored in the same transaction; empty: no
   // entry. May be called more than once, on the writer thread.
   std::function<AuditRecord(const ClipRecord&)> audit;

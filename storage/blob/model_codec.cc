@@ -10,12 +10,15 @@ namespace {
 
 using core::Branch;
 
-constexpr std::uint32_t kPartsVersion = 4;
+constexpr std::uint32_t kPartsVersion = 5;
 constexpr std::uint32_t kPlainVersion = 1;    // without subjects, metric, prior, calibration
 constexpr std::uint32_t kPlaneVersion = 3;    // the first with the split planes of the tree
 constexpr std::uint32_t kUnknownVersion = 4;  // the first with the probability of unknown motion
+constexpr std::uint32_t kTracksVersion = 5;   // the first with tracks of labels
 constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
-constexpr std::size_t kClipBytes = 2 * kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
+constexpr std::size_t kClipBytes = kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
+constexpr std::size_t kSpanBytes = kTextBytes + 2 * sizeof(std::int32_t);
+constexpr std::size_t kTrackBytes = kTextBytes + sizeof(std::uint32_t);
 
 static_assert(sizeof(Branch) == 24, "branches are stored in their memory layout");
 
@@ -92,19 +95,18 @@ void PutClips(FieldWriter& writer, const std::vector<core::ModelClip>& clips) {
   writer.PutCount(clips.size());
   for (const core::ModelClip& clip : clips) {
     writer.PutText(clip.id);
-    writer.PutText(clip.label);
     writer.Put(clip.first_frame);
     writer.Put(clip.frame_count);
     writer.Put(clip.leg_length_m);
   }
 }
 
-std::vector<core::ModelClip> GetClips(FieldReader& reader) {
+std::vector<core::ModelClip> GetClips(FieldReader& reader, std::uint32_t version) {
   std::vector<core::ModelClip> clips(reader.GetCount(kClipBytes));
   std::int64_t next = 0;
   for (core::ModelClip& clip : clips) {
     clip.id = reader.GetText();
-    clip.label = reader.GetText();
+    if (version < kTracksVersion) clip.labels = reader.GetText();
     clip.first_frame = reader.Get<std::int32_t>();
     clip.frame_count = reader.Get<std::int32_t>();
     clip.leg_length_m = reader.Get<double>();
@@ -112,6 +114,7 @@ std::vector<core::ModelClip> GetClips(FieldReader& reader) {
       reader.Fail(core::DataLoss("clip '{}' does not follow the previous clip", clip.id));
     }
     next += clip.frame_count;
+    clip.labels.Resolve(clip.frame_count);
   }
   return clips;
 }
@@ -217,6 +220,52 @@ void GetSubjects(FieldReader& reader, std::vector<core::ModelClip>& clips) {
   for (core::ModelClip& clip : clips) clip.subject = reader.GetText();
 }
 
+void PutLabels(FieldWriter& writer, const std::vector<core::ModelClip>& clips) {
+  for (const core::ModelClip& clip : clips) {
+    writer.PutCount(clip.labels.tracks().size());
+    for (const auto& [track, spans] : clip.labels.tracks()) {
+      writer.PutText(track);
+      writer.PutCount(spans.size());
+      for (const core::LabelSpan& span : spans) {
+        writer.PutText(span.label);
+        writer.Put(span.first_frame);
+        writer.Put(span.frame_count);
+      }
+    }
+  }
+}
+
+core::LabelTracks GetTracks(FieldReader& reader) {
+  core::LabelTracks labels;
+  const std::size_t tracks = reader.GetCount(kTrackBytes);
+  std::string previous;
+  for (std::size_t t = 0; t < tracks && reader.ok(); ++t) {
+    const std::string track = reader.GetText();
+    std::vector<core::LabelSpan> spans(reader.GetCount(kSpanBytes));
+    for (core::LabelSpan& span : spans) {
+      span.label = reader.GetText();
+      span.first_frame = reader.Get<std::int32_t>();
+      span.frame_count = reader.Get<std::int32_t>();
+    }
+    if (track <= previous || spans.empty()) {
+      reader.Fail(core::DataLoss("labels: the tracks are empty or not in ascending order"));
+    }
+    labels.Set(track, std::move(spans));
+    previous = track;
+  }
+  return labels;
+}
+
+void GetLabels(FieldReader& reader, std::vector<core::ModelClip>& clips) {
+  for (core::ModelClip& clip : clips) {
+    clip.labels = GetTracks(reader);
+    if (!reader.ok()) return;
+    const absl::Status valid = clip.labels.Check(clip.frame_count);
+    if (valid.ok()) continue;
+    reader.Fail(core::DataLoss("clip '{}': {}", clip.id, std::string(valid.message())));
+  }
+}
+
 }  // namespace
 
 absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
@@ -236,6 +285,7 @@ absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
   PutPrior(writer, parts.prior);
   PutConfidence(writer, parts.confidence);
   PutSubjects(writer, parts.clips);
+  PutLabels(writer, parts.clips);
   PutMetric(writer, parts.metric);
   PutRecognition(writer, parts.recognition);
   writer.Put(parts.build_seconds);
@@ -252,7 +302,7 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
   core::ModelParts parts;
   parts.settings = GetSettings(reader);
   parts.marker_set = GetMarkerSet(reader);
-  parts.clips = GetClips(reader);
+  parts.clips = GetClips(reader, version);
   const Eigen::Index dimensions = 6 * static_cast<Eigen::Index>(parts.marker_set.markers.size());
   GetMatrix(reader, 1, dimensions, parts.scale.divisor);
   parts.tree = GetTree(reader, version, dimensions);
@@ -265,6 +315,7 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
     parts.prior = GetPrior(reader, dimensions);
     parts.confidence = GetConfidence(reader);
     GetSubjects(reader, parts.clips);
+    if (version >= kTracksVersion) GetLabels(reader, parts.clips);
     parts.metric = GetMetric(reader, dimensions);
     parts.recognition = GetRecognition(reader, version >= kUnknownVersion);
   }

@@ -15,6 +15,7 @@
 
 namespace motiondb::storage {
 
+// REQUIRES: the labels are resolved, as in the parts of a core::Model.
 absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink);
 
 // Leaves `states` and `root_path` empty. Checks that the clips are contiguous and that their frames

@@ -1,14 +1,18 @@
 #include "storage/sqlite/clip_table.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/motion/error.h"
 #include "storage/blob/checksums.h"
 #include "storage/blob/clip_codec.h"
+#include "storage/clip_segments.h"
+#include "storage/sqlite/change_feed.h"
 #include "storage/sqlite/clip_bytes.h"
+#include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/database_table.h"
-#include "storage/sqlite/enum_text.h"
 #include "storage/sqlite/row_checksum.h"
+#include "storage/sqlite/segment_table.h"
 #include "storage/sqlite/skeleton_table.h"
 
 namespace motiondb::storage {
@@ -18,75 +22,6 @@ namespace {
 constexpr char kRemoved[] =
     "deleted = 1 AND NOT EXISTS (SELECT 1 FROM model_clip WHERE model_clip.clip_key = "
     "clip.clip_key)";
-
-// Returns a query for the columns that ToClipRecord reads. `rest` ends the WHERE clause.
-std::string SelectClips(std::string_view rest) {
-  return fmt::format(
-      "SELECT clip.id, label, subject, file_name, skeleton_file_name, format, frame_count, "
-      "duration_seconds, source_frame_rate_hz, leg_length_m, ifnull(skeleton.id, ''), "
-      "source_report, content_hash, create_time_us, ifnull(byte_count, 0), "
-      "representation_version, tried_version, tried_time_us, derive_error, "
-      "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m, given_take "
-      "FROM clip LEFT JOIN skeleton USING (skeleton_key) "
-      "WHERE clip.database_key = ? AND deleted = 0 AND {}",
-      rest);
-}
-
-std::optional<double> OptionalReal(const Statement& row, int column) {
-  return row.IsNull(column) ? std::nullopt : std::optional(row.Real(column));
-}
-
-absl::StatusOr<ClipRecord> ToClipRecord(const std::string& database, const Statement& row) {
-  ClipRecord record;
-  record.database = database;
-  record.id = row.Text(0);
-  record.label = row.Text(1);
-  record.subject = row.Text(2);
-  record.file_name = row.Text(3);
-  record.skeleton_file_name = row.Text(4);
-  MOTIONDB_ASSIGN_OR_RETURN(record.format, FromText<core::FileFormat>(row.Text(5)));
-  record.frame_count = row.Integer<std::int32_t>(6);
-  record.duration_seconds = row.Real(7);
-  record.source_frame_rate_hz = row.Real(8);
-  record.leg_length_m = row.Real(9);
-  record.skeleton_id = row.Text(10);
-  record.source_report = row.Text(11);
-  record.content_hash = row.Integer<std::uint64_t>(12);
-  record.create_time_us = row.Integer(13);
-  record.byte_count = row.Integer(14);
-  record.representation_version = row.Integer<std::int32_t>(15);
-  record.tried_version = row.Integer<std::int32_t>(16);
-  record.tried_time_us = row.Integer(17);
-  record.derive_error = row.Text(18);
-  record.given.metres_per_unit = OptionalReal(row, 19);
-  if (!row.IsNull(20)) {
-    MOTIONDB_ASSIGN_OR_RETURN(record.given.up_axis, FromText<core::UpAxis>(row.Text(20)));
-  }
-  record.given.frame_rate_hz = OptionalReal(row, 21);
-  record.given_leg_length_m = OptionalReal(row, 22);
-  record.given.take = row.Text(23);
-  return record;
-}
-
-std::string DescribeClip(const std::string& database, const std::string& clip) {
-  return fmt::format("database '{}', clip '{}'", database, clip);
-}
-
-absl::Status NoClip(const std::string& database, const std::string& clip) {
-  return core::WithReason("CLIP_NOT_FOUND",
-                          core::NotFound("database '{}' has no clip '{}'", database, clip));
-}
-
-absl::StatusOr<std::int64_t> FindClip(Connection& connection, const std::string& database,
-                                      const std::string& clip) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  Statement row = connection.Query(
-      "SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND deleted = 0", database_key,
-      clip);
-  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return NoClip(database, clip);
-  return row.Integer(0);
-}
 
 // Returns the skeleton key of a clip; 0 if it has none.
 absl::StatusOr<std::int64_t> SkeletonOf(Connection& connection, std::int64_t clip_key) {
@@ -126,33 +61,6 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
                       database_key, clip.record.id);
 }
 
-// Inserts a row; `skeleton_key` 0: no skeleton.
-absl::Status InsertRow(Connection& connection, std::int64_t database_key, std::int64_t skeleton_key,
-                       const ClipRecord& record, const core::RootPath& path) {
-  const auto path_bytes =
-      std::as_bytes(std::span(path.data(), static_cast<std::size_t>(path.size())));
-  const auto& up = record.given.up_axis;
-  return connection
-      .Query(
-          "INSERT INTO clip (database_key, id, label, subject, file_name, skeleton_file_name, "
-          "format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, "
-          "source_report, content_hash, root_path_crc, create_time_us, skeleton_key, "
-          "representation_version, tried_version, tried_time_us, derive_error, "
-          "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m, "
-          "given_take) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, "
-          "?, ?)",
-          database_key, record.id, record.label, record.subject, record.file_name,
-          record.skeleton_file_name, ToText(record.format), record.frame_count,
-          record.duration_seconds, record.source_frame_rate_hz, record.leg_length_m,
-          record.source_report, record.content_hash, Crc32(path_bytes), record.create_time_us,
-          skeleton_key, record.representation_version, record.tried_version, record.tried_time_us,
-          record.derive_error, record.given.metres_per_unit,
-          up ? std::optional<std::string>(ToText(*up)) : std::nullopt, record.given.frame_rate_hz,
-          record.given_leg_length_m, record.given.take)
-      .Run();
-}
-
 absl::Status WriteStates(Connection& connection, std::int64_t clip_key,
                          const core::StateSequence& states) {
   return WriteBlob(connection, ClipOwner(clip_key), BlobKind::kStates,
@@ -181,38 +89,94 @@ absl::Status MarkDeleted(Connection& connection, std::int64_t clip_key) {
   return SetRowChecksum(connection, "clip", clip_key);
 }
 
-// Replaces a row by a new one with `states`, and moves the files and the skeleton to it. The old
-// row is marked as deleted and gets representation_version 0, so that a model that uses it is not
-// extended.
-absl::Status ReplaceRow(Connection& connection, std::int64_t database_key, std::int64_t clip_key,
-                        const ClipRecord& record, const core::StateSequence& states) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, clip_key));
-  MOTIONDB_RETURN_IF_ERROR(
-      connection.Query("UPDATE clip SET representation_version = 0 WHERE clip_key = ?", clip_key)
-          .Run());
-  MOTIONDB_RETURN_IF_ERROR(MarkDeleted(connection, clip_key));
-  MOTIONDB_RETURN_IF_ERROR(
-      InsertRow(connection, database_key, skeleton_key, record, states.root_path));
-  const std::int64_t key = connection.last_insert_key();
-  MOTIONDB_RETURN_IF_ERROR(
-      connection
-          .Query("UPDATE clip_chunk SET clip_key = ? WHERE clip_key = ? AND kind IN (?, ?)", key,
-                 clip_key, static_cast<int>(BlobKind::kMotionFile),
-                 static_cast<int>(BlobKind::kSkeletonFile))
-          .Run());
-  MOTIONDB_RETURN_IF_ERROR(WriteStates(connection, key, states));
-  return UpdateByteCount(connection, key);
+// Stores the segments and the searched text of a new row of a clip. `former`: the segments of the
+// row before; those that are gone get a tombstone.
+absl::Status InsertAnnotations(Connection& connection, const ClipRef& clip,
+                               const ClipRecord& record, const std::vector<SegmentRecord>& segments,
+                               const std::vector<SegmentRecord>& former) {
+  MOTIONDB_RETURN_IF_ERROR(InsertSegments(connection, clip, segments));
+  for (const SegmentRecord& segment : former) {
+    const bool stays =
+        std::ranges::find(segments, segment.id, &SegmentRecord::id) != segments.end();
+    if (stays || segment.clip != record.id) continue;
+    MOTIONDB_RETURN_IF_ERROR(BurySegment(connection, clip, segment.id, record.revision));
+  }
+  for (const SegmentRecord& segment : segments) {
+    if (former.empty() || segment.revision != record.revision) continue;
+    MOTIONDB_RETURN_IF_ERROR(UnburySegment(connection, clip, segment.id));
+  }
+  return InsertClipText(connection, clip.clip_key, TextOf(record, segments));
 }
 
-absl::Status UpdateRow(Connection& connection, std::int64_t clip_key, const ClipRecord& record) {
+// Replaces a row by a new one with `states`, and moves the files and the skeleton to it. The old
+// row is marked as deleted and gets representation_version 0, so that a model that uses it is not
+// extended; it keeps its segments for that model.
+absl::Status ReplaceRow(Connection& connection, const ClipRef& old, const ClipRecord& record,
+                        const core::StateSequence& states, const ChangeStamp& stamp) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, old.clip_key));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto former, SelectSegments(connection, old));
   MOTIONDB_RETURN_IF_ERROR(
       connection
-          .Query("UPDATE clip SET source_report = ?, representation_version = ?, "
-                 "tried_version = ?, tried_time_us = ?, derive_error = ? WHERE clip_key = ?",
-                 record.source_report, record.representation_version, record.tried_version,
-                 record.tried_time_us, record.derive_error, clip_key)
+          .Query("UPDATE clip SET representation_version = 0 WHERE clip_key = ?", old.clip_key)
           .Run());
-  return SetRowChecksum(connection, "clip", clip_key);
+  MOTIONDB_RETURN_IF_ERROR(MarkDeleted(connection, old.clip_key));
+  MOTIONDB_RETURN_IF_ERROR(DeleteClipText(connection, old.clip_key));
+  MOTIONDB_RETURN_IF_ERROR(
+      InsertClipRow(connection, old.database_key, skeleton_key, record, states.root_path));
+  ClipRef ref = old;
+  ref.clip_key = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE clip_chunk SET clip_key = ? WHERE clip_key = ? AND kind IN (?, ?)",
+                 ref.clip_key, old.clip_key, static_cast<int>(BlobKind::kMotionFile),
+                 static_cast<int>(BlobKind::kSkeletonFile))
+          .Run());
+  MOTIONDB_RETURN_IF_ERROR(WriteStates(connection, ref.clip_key, states));
+  MOTIONDB_RETURN_IF_ERROR(UpdateByteCount(connection, ref.clip_key));
+  std::vector<SegmentRecord> segments = former;
+  AdaptToClip(record, stamp, segments);
+  return InsertAnnotations(connection, ref, record, segments, former);
+}
+
+// Deletes a clip, but not its segments. See RemoveClip.
+absl::Status TakeAway(Connection& connection, std::int64_t clip_key, FreePolicy remains) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, clip_key));
+  MOTIONDB_RETURN_IF_ERROR(MarkDeleted(connection, clip_key));
+  if (remains == FreePolicy::kFree) {
+    const BlobOwner owner = ClipOwner(clip_key);
+    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, owner, BlobKind::kMotionFile));
+    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, owner, BlobKind::kSkeletonFile));
+    MOTIONDB_RETURN_IF_ERROR(DeleteClipText(connection, clip_key));
+  }
+  return DeleteUnusedSkeleton(connection, skeleton_key);
+}
+
+// Adds a clip in place of one with the segments `former`, or as a new one.
+absl::StatusOr<ClipRecord> InsertAfter(Connection& connection, const NewClip& clip,
+                                       const std::vector<SegmentRecord>& former) {
+  MOTIONDB_RETURN_IF_ERROR(CheckFrameCount(clip.record, clip.states));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
+                            FindDatabase(connection, clip.record.database));
+  ClipRecord record = clip.record;
+  MOTIONDB_ASSIGN_OR_RETURN(record.id, ChooseId(connection, database_key, clip));
+  if (clip.marker_set_text) {
+    MOTIONDB_RETURN_IF_ERROR(SetMarkerSetText(connection, database_key, *clip.marker_set_text));
+  }
+  std::int64_t skeleton_key = 0;
+  if (clip.skeleton) {
+    MOTIONDB_ASSIGN_OR_RETURN(skeleton_key,
+                              FindOrInsertSkeleton(connection, database_key, *clip.skeleton));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(record.revision, NextRevision(connection, database_key));
+  const ChangeStamp stamp{clip.author, record.create_time_us, record.revision};
+  MOTIONDB_ASSIGN_OR_RETURN(const auto segments, SegmentsOf(clip, record, former, stamp));
+  MOTIONDB_RETURN_IF_ERROR(
+      InsertClipRow(connection, database_key, skeleton_key, record, clip.states.root_path));
+  const ClipRef ref{database_key, connection.last_insert_key(), record.database, record.id};
+  MOTIONDB_RETURN_IF_ERROR(InsertBlobs(connection, ClipOwner(ref.clip_key), clip));
+  MOTIONDB_RETURN_IF_ERROR(UpdateByteCount(connection, ref.clip_key));
+  MOTIONDB_RETURN_IF_ERROR(InsertAnnotations(connection, ref, record, segments, former));
+  return SelectClip(connection, record.database, record.id);
 }
 
 // Returns the key of the clip that was listed as `record`; 0 if it no longer exists.
@@ -229,25 +193,7 @@ absl::StatusOr<std::int64_t> FindListed(Connection& connection, std::int64_t dat
 }  // namespace
 
 absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& clip) {
-  MOTIONDB_RETURN_IF_ERROR(CheckFrameCount(clip.record, clip.states));
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
-                            FindDatabase(connection, clip.record.database));
-  ClipRecord record = clip.record;
-  MOTIONDB_ASSIGN_OR_RETURN(record.id, ChooseId(connection, database_key, clip));
-  if (clip.marker_set_text) {
-    MOTIONDB_RETURN_IF_ERROR(SetMarkerSetText(connection, database_key, *clip.marker_set_text));
-  }
-  std::int64_t skeleton_key = 0;
-  if (clip.skeleton) {
-    MOTIONDB_ASSIGN_OR_RETURN(skeleton_key,
-                              FindOrInsertSkeleton(connection, database_key, *clip.skeleton));
-  }
-  MOTIONDB_RETURN_IF_ERROR(
-      InsertRow(connection, database_key, skeleton_key, record, clip.states.root_path));
-  const std::int64_t key = connection.last_insert_key();
-  MOTIONDB_RETURN_IF_ERROR(InsertBlobs(connection, ClipOwner(key), clip));
-  MOTIONDB_RETURN_IF_ERROR(UpdateByteCount(connection, key));
-  return SelectClip(connection, record.database, record.id);
+  return InsertAfter(connection, clip, {});
 }
 
 absl::StatusOr<ClipRecord> SelectSameClip(Connection& connection, const NewClip& clip) {
@@ -267,11 +213,21 @@ absl::StatusOr<ClipRecord> ReplaceClip(Connection& connection, const ClipRecord&
     return absl::AbortedError(fmt::format("{} was deleted or replaced by another call: try again",
                                           DescribeClip(before.database, before.id)));
   }
-  // So that no model that uses it gets a second clip of this id. RemoveClip updates row_crc.
+  const ClipRef ref{database_key, key, before.database, before.id};
+  MOTIONDB_ASSIGN_OR_RETURN(const ClipRecord old,
+                            SelectClip(connection, before.database, before.id));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto segments, SelectSegments(connection, ref));
+  // So that no model that uses it gets a second clip of this id. TakeAway updates row_crc.
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("UPDATE clip SET representation_version = 0 WHERE clip_key = ?", key).Run());
-  MOTIONDB_RETURN_IF_ERROR(RemoveClip(connection, before.database, before.id, remains).status());
-  return InsertClip(connection, clip);
+  MOTIONDB_RETURN_IF_ERROR(TakeAway(connection, key, remains));
+  NewClip next = clip;
+  KeepAnnotations(old, next.record);
+  MOTIONDB_ASSIGN_OR_RETURN(ClipRecord added, InsertAfter(connection, next, segments));
+  if (added.id != before.id) {
+    MOTIONDB_RETURN_IF_ERROR(BuryClip(connection, ref, added.revision));
+  }
+  return added;
 }
 
 absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
@@ -279,48 +235,37 @@ absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
                                                         std::span<const DerivedClip> clips) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   std::vector<ClipRecord> stored;
+  ChangeStamp stamp;
   for (const DerivedClip& clip : clips) {
     if (clip.states) MOTIONDB_RETURN_IF_ERROR(CheckFrameCount(clip.record, *clip.states));
+    const std::string& id = clip.record.id;
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key,
                               FindListed(connection, database_key, clip.record));
     if (key == 0) continue;
-    MOTIONDB_RETURN_IF_ERROR(
-        clip.states ? ReplaceRow(connection, database_key, key, clip.record, *clip.states)
-                    : UpdateRow(connection, key, clip.record));
-    MOTIONDB_ASSIGN_OR_RETURN(stored.emplace_back(),
-                              SelectClip(connection, database, clip.record.id));
+    if (stamp.revision == 0) {
+      MOTIONDB_ASSIGN_OR_RETURN(stamp.revision, NextRevision(connection, database_key));
+    }
+    stamp.time_us = clip.record.tried_time_us;
+    // The clip can have been edited since it was listed.
+    MOTIONDB_ASSIGN_OR_RETURN(const ClipRecord now, SelectClip(connection, database, id));
+    ClipRecord record = clip.record;
+    CopyAnnotations(now, record);
+    record.revision = stamp.revision;
+    const ClipRef ref{database_key, key, database, id};
+    MOTIONDB_RETURN_IF_ERROR(clip.states ? ReplaceRow(connection, ref, record, *clip.states, stamp)
+                                         : UpdateDerivation(connection, key, record));
+    MOTIONDB_ASSIGN_OR_RETURN(stored.emplace_back(), SelectClip(connection, database, id));
   }
   return stored;
 }
 
-absl::StatusOr<ClipRecord> SelectClip(Connection& connection, const std::string& database,
-                                      const std::string& clip) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  Statement row = connection.Query(SelectClips("clip.id = ?"), database_key, clip);
-  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return NoClip(database, clip);
-  return ToClipRecord(database, row);
-}
-
-absl::StatusOr<std::vector<ClipRecord>> SelectClips(Connection& connection,
-                                                    const std::string& database, const Page& page) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  Statement row = connection.Query(SelectClips("clip.id > ? ORDER BY clip.id LIMIT ?"),
-                                   database_key, page.after, page.limit);
-  std::vector<ClipRecord> records;
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (!found) return records;
-    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToClipRecord(database, row));
-  }
-}
-
 absl::StatusOr<ClipSource> SelectClipSource(Connection& connection, const std::string& database,
                                             const std::string& clip) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
-  auto file = ReadBlob(connection, ClipOwner(key), BlobKind::kMotionFile);
+  MOTIONDB_ASSIGN_OR_RETURN(const ClipRef ref, FindClip(connection, database, clip));
+  const BlobOwner owner = ClipOwner(ref.clip_key);
+  auto file = ReadBlob(connection, owner, BlobKind::kMotionFile);
   if (!file.ok()) return In(DescribeClip(database, clip), file.status());
-  auto skeleton = ReadBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile);
+  auto skeleton = ReadBlob(connection, owner, BlobKind::kSkeletonFile);
   if (!skeleton.ok()) return In(DescribeClip(database, clip), skeleton.status());
   return ClipSource{*std::move(file), *std::move(skeleton)};
 }
@@ -328,9 +273,9 @@ absl::StatusOr<ClipSource> SelectClipSource(Connection& connection, const std::s
 absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
                                                      const std::string& database,
                                                      const std::string& clip) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
+  MOTIONDB_ASSIGN_OR_RETURN(const ClipRef ref, FindClip(connection, database, clip));
   core::StateSequence states;
-  const absl::Status read = ReadBlob(connection, ClipOwner(key), BlobKind::kStates,
+  const absl::Status read = ReadBlob(connection, ClipOwner(ref.clip_key), BlobKind::kStates,
                                      [&](ByteSource& source) -> absl::Status {
                                        MOTIONDB_ASSIGN_OR_RETURN(states, DecodeStates(source));
                                        return absl::OkStatus();
@@ -342,14 +287,11 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
 absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
                                       const std::string& clip, FreePolicy remains) {
   MOTIONDB_ASSIGN_OR_RETURN(ClipRecord record, SelectClip(connection, database, clip));
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, key));
-  MOTIONDB_RETURN_IF_ERROR(MarkDeleted(connection, key));
-  if (remains == FreePolicy::kFree) {
-    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
-    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
-  }
-  MOTIONDB_RETURN_IF_ERROR(DeleteUnusedSkeleton(connection, skeleton_key));
+  MOTIONDB_ASSIGN_OR_RETURN(const ClipRef ref, FindClip(connection, database, clip));
+  MOTIONDB_RETURN_IF_ERROR(TakeAway(connection, ref.clip_key, remains));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision,
+                            NextRevision(connection, ref.database_key));
+  MOTIONDB_RETURN_IF_ERROR(BuryClip(connection, ref, revision));
   return record;
 }
 
@@ -358,6 +300,8 @@ absl::Status PurgeRemovedClips(Connection& connection, std::span<const std::int6
     MOTIONDB_RETURN_IF_ERROR(
         connection.Query(fmt::format("DELETE FROM clip WHERE clip_key = ? AND {}", kRemoved), key)
             .Run());
+    // Usually gone since the clip was deleted.
+    if (connection.changes() > 0) MOTIONDB_RETURN_IF_ERROR(DeleteClipText(connection, key));
   }
   return absl::OkStatus();
 }
@@ -379,20 +323,21 @@ absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connect
 
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
                                            const core::ModelClip& clip,
-                                           std::span<const double> root_path, Deleted deleted) {
+                                           std::span<const double> root_path,
+                                           DeletedClips deleted) {
   const std::uint32_t crc = Crc32(std::as_bytes(root_path));
   // Two queries with constant `deleted`: with a parameter SQLite would not use the partial indices.
   // The newest row: a clip whose states were replaced and that was then deleted has several rows.
   for (const char* const condition : {"deleted = 0", "deleted = 1"}) {
     Statement row = connection.Query(
         fmt::format("SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND {} AND "
-                    "frame_count = ? AND root_path_crc = ? AND leg_length_m = ? AND label = ? "
+                    "frame_count = ? AND root_path_crc = ? AND leg_length_m = ? "
                     "ORDER BY clip_key DESC LIMIT 1",
                     condition),
-        database_key, clip.id, clip.frame_count, crc, clip.leg_length_m, clip.label);
+        database_key, clip.id, clip.frame_count, crc, clip.leg_length_m);
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (found) return row.Integer(0);
-    if (deleted == Deleted::kNot) break;
+    if (deleted == DeletedClips::kNot) break;
   }
   return core::NotFound("the clip '{}' that the model was built from is no longer stored", clip.id);
 }

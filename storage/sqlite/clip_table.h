@@ -11,6 +11,7 @@
 #include "core/model/model.h"
 #include "storage/motion_store.h"
 #include "storage/sqlite/chunk_table.h"
+#include "storage/sqlite/clip_row.h"
 #include "storage/sqlite/connection.h"
 
 namespace motiondb::storage {
@@ -23,10 +24,6 @@ absl::StatusOr<ClipRecord> SelectSameClip(Connection& connection, const NewClip&
 absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
                                                         const std::string& database,
                                                         std::span<const DerivedClip> clips);
-absl::StatusOr<ClipRecord> SelectClip(Connection& connection, const std::string& database,
-                                      const std::string& clip);
-absl::StatusOr<std::vector<ClipRecord>> SelectClips(Connection& connection,
-                                                    const std::string& database, const Page& page);
 absl::StatusOr<ClipSource> SelectClipSource(Connection& connection, const std::string& database,
                                             const std::string& clip);
 absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
@@ -50,12 +47,12 @@ absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connect
                                                              const std::string& database);
 
 // Whether FindModelClip also accepts deleted clips.
-enum class Deleted { kNot, kToo };
+enum class DeletedClips { kNot, kToo };
 // Returns the key of a clip of a model. NOT_FOUND also if the stored clip has the same id but other
 // states. `root_path`: the model's root path of the clip, frames x 3, row-major.
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
                                            const core::ModelClip& clip,
-                                           std::span<const double> root_path, Deleted deleted);
+                                           std::span<const double> root_path, DeletedClips deleted);
 
 inline BlobOwner ClipOwner(std::int64_t clip_key) { return {"clip", clip_key}; }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/row_checksum.h"
 #include "storage/sqlite/statement.h"
 
@@ -20,8 +21,10 @@ absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::string& 
                         fmt::format("cannot open '{}': {}", path, std::string(error.message())));
   }
   sqlite3_extended_result_codes(handle.get(), 1);
-  if (const int added = AddChecksumFunction(handle.get()); added != SQLITE_OK) {
-    return SqliteError(handle.get(), added);
+  for (const auto add : {AddChecksumFunction, AddWordsFunction}) {
+    if (const int added = add(handle.get()); added != SQLITE_OK) {
+      return SqliteError(handle.get(), added);
+    }
   }
   return std::unique_ptr<Connection>(new Connection(std::move(handle)));
 }

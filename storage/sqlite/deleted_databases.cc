@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/clip_search.h"
 
 namespace motiondb::storage {
 namespace {
@@ -46,6 +47,12 @@ class Freeing {
         "WHERE model_key IN (SELECT model_key FROM model WHERE database_key = ?) LIMIT ?)"));
     for (const std::string_view table : {"model", "clip", "skeleton"}) {
       MOTIONDB_RETURN_IF_ERROR(FreeOwners(table));
+    }
+    for (const std::string_view table : {"segment", "tombstone", "edit"}) {
+      MOTIONDB_RETURN_IF_ERROR(FreeRows(
+          fmt::format("{0} WHERE {0}_key IN (SELECT {0}_key FROM {0} WHERE database_key = ? LIMIT "
+                      "?)",
+                      table)));
     }
     MOTIONDB_RETURN_IF_ERROR(
         FreeRows("operation WHERE sequence IN (SELECT sequence FROM operation WHERE "
@@ -172,6 +179,7 @@ class Freeing {
     }
     reached_any_ = true;
     if (place.owner_is_done) {
+      if (table == "clip") MOTIONDB_RETURN_IF_ERROR(DeleteClipText(connection, place.owner));
       MOTIONDB_RETURN_IF_ERROR(
           connection.Query(fmt::format("DELETE FROM {0} WHERE {0}_key = ?", table), place.owner)
               .Run());

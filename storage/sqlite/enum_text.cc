@@ -39,6 +39,10 @@ constexpr Spellings<core::UpAxis, 6> kUpAxes{{{core::UpAxis::kX, "x"},
 constexpr Spellings<Role, 3> kRoles{
     {{Role::kReader, "reader"}, {Role::kIngester, "ingester"}, {Role::kAdmin, "admin"}}};
 
+constexpr Spellings<SegmentSource, 3> kSources{{{SegmentSource::kPerson, "person"},
+                                                {SegmentSource::kImport, "import"},
+                                                {SegmentSource::kSuggestion, "suggestion"}}};
+
 template <typename Enum, std::size_t kSize>
 const char* Spell(const Spellings<Enum, kSize>& spellings, Enum value) {
   for (const auto& [known, text] : spellings) {
@@ -68,6 +72,7 @@ const char* ToText(OperationState state) { return Spell(kStates, state); }
 const char* ToText(OperationKind kind) { return Spell(kKinds, kind); }
 const char* ToText(core::UpAxis up) { return Spell(kUpAxes, up); }
 const char* ToText(Role role) { return Spell(kRoles, role); }
+const char* ToText(SegmentSource source) { return Spell(kSources, source); }
 
 template <>
 absl::StatusOr<core::FileFormat> FromText(const std::string& text) {
@@ -99,6 +104,10 @@ absl::StatusOr<core::UpAxis> FromText(const std::string& text) {
 template <>
 absl::StatusOr<Role> FromText(const std::string& text) {
   return Read(kRoles, text);
+}
+template <>
+absl::StatusOr<SegmentSource> FromText(const std::string& text) {
+  return Read(kSources, text);
 }
 
 }  // namespace motiondb::storage

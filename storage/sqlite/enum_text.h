@@ -19,6 +19,7 @@ const char* ToText(OperationState state);
 const char* ToText(OperationKind kind);
 const char* ToText(core::UpAxis up);
 const char* ToText(Role role);
+const char* ToText(SegmentSource source);
 
 // DATA_LOSS for an unknown text.
 template <typename Enum>
@@ -37,5 +38,7 @@ template <>
 absl::StatusOr<core::UpAxis> FromText(const std::string& text);
 template <>
 absl::StatusOr<Role> FromText(const std::string& text);
+template <>
+absl::StatusOr<SegmentSource> FromText(const std::string& text);
 
 }  // namespace motiondb::storage

@@ -8,11 +8,13 @@
 #include "core/motion/error.h"
 #include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
+#include "storage/clip_segments.h"
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/model_states.h"
 #include "storage/sqlite/row_checksum.h"
+#include "storage/sqlite/segment_table.h"
 
 namespace motiondb::storage {
 namespace {
@@ -66,19 +68,26 @@ absl::StatusOr<std::vector<core::BuildInput>> ReadAddedClips(Connection& connect
                                                              std::span<const std::int64_t> keys) {
   std::vector<core::BuildInput> inputs;
   for (const std::int64_t key : keys) {
-    Statement row = connection.Query("SELECT id, label, subject FROM clip WHERE clip_key = ?", key);
+    Statement row = connection.Query(
+        "SELECT clip.id, subject, name, database_key FROM clip JOIN database USING (database_key) "
+        "WHERE clip_key = ?",
+        key);
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return core::DataLoss("a clip that was added to the model is missing");
     core::BuildInput& input = inputs.emplace_back();
     input.clip_id = row.Text(0);
-    input.label = row.Text(1);
-    input.subject = row.Text(2);
+    input.subject = row.Text(1);
+    // A deleted clip keeps its segments as long as a model uses it.
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const auto segments,
+        SelectSegments(connection, {row.Integer(3), key, row.Text(2), input.clip_id}));
     const auto decode = [&](ByteSource& source) -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(input.states, DecodeStates(source));
       return absl::OkStatus();
     };
     MOTIONDB_RETURN_IF_ERROR(In(fmt::format("clip '{}'", input.clip_id),
                                 ReadBlob(connection, ClipOwner(key), BlobKind::kStates, decode)));
+    input.labels = LabelTracksOf(segments, input.states.frame_rate_hz, input.states.frame_count());
   }
   return inputs;
 }

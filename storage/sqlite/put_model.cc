@@ -6,6 +6,7 @@
 #include "core/motion/error.h"
 #include "storage/blob/chunk_stream.h"
 #include "storage/blob/model_codec.h"
+#include "storage/sqlite/change_feed.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/model_table.h"
@@ -49,7 +50,7 @@ absl::StatusOr<std::vector<std::int64_t>> FindModelClips(Connection& connection,
                                                          std::int64_t database_key,
                                                          const core::Model& model,
                                                          std::ptrdiff_t first, std::ptrdiff_t end,
-                                                         Deleted deleted) {
+                                                         DeletedClips deleted) {
   std::vector<std::int64_t> keys;
   for (const core::ModelClip& clip : std::span(model.clips()).subspan(first, end - first)) {
     const std::span root_path(model.root_path().row(clip.first_frame).data(),
@@ -133,23 +134,34 @@ absl::Status InsertClips(Connection& connection, std::int64_t built_key, std::in
   return absl::OkStatus();
 }
 
+// Gives a model, which has become the current one or was dropped, the next revision.
+absl::Status NoteModelChange(Connection& connection, std::int64_t database_key,
+                             std::int64_t model_key) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision, NextRevision(connection, database_key));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.Query("UPDATE model SET revision = ? WHERE model_key = ?", revision, model_key)
+          .Run());
+  return SetRowChecksum(connection, "model", model_key);
+}
+
 absl::Status Supersede(Connection& connection, std::int64_t model_key) {
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("UPDATE model SET current = 0 WHERE model_key = ?", model_key).Run());
   return SetRowChecksum(connection, "model", model_key);
 }
 
-// Marks the current model, if there is one, as former.
-absl::Status Retire(Connection& connection, std::int64_t database_key) {
+// Marks the current model as former. Returns its key; 0 if there is none.
+absl::StatusOr<std::int64_t> Retire(Connection& connection, std::int64_t database_key) {
   std::int64_t key = 0;
   {
     Statement current = connection.Query(
         "SELECT model_key FROM model WHERE database_key = ? AND current = 1", database_key);
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, current.Step());
-    if (!found) return absl::OkStatus();
+    if (!found) return 0;
     key = current.Integer(0);
   }
-  return Supersede(connection, key);
+  MOTIONDB_RETURN_IF_ERROR(Supersede(connection, key));
+  return key;
 }
 
 // Stores one model in several transactions.
@@ -193,7 +205,7 @@ class ModelWriter {
       const std::ptrdiff_t end = std::min(count, first + kPieceClips);
       const absl::Status written = Write([&](Connection& connection) -> absl::Status {
         MOTIONDB_ASSIGN_OR_RETURN(const auto keys, FindModelClips(connection, database_key_, model_,
-                                                                  first, end, Deleted::kToo));
+                                                                  first, end, DeletedClips::kToo));
         return InsertClips(connection, model_key_, first, keys);
       });
       if (!written.ok()) return written;
@@ -230,13 +242,13 @@ class ModelWriter {
     ModelRecord record;
     const absl::Status published = Write([&](Connection& connection) -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key_));
-      MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key_));
+      MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key_).status());
       MOTIONDB_RETURN_IF_ERROR(
           connection
               .Query("UPDATE model SET current = 1, staged = 0, version = ? WHERE model_key = ?",
                      version, model_key_)
               .Run());
-      MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "model", model_key_));
+      MOTIONDB_RETURN_IF_ERROR(NoteModelChange(connection, database_key_, model_key_));
       MOTIONDB_RETURN_IF_ERROR(DeleteOldRecords(connection, database_key_, version));
       MOTIONDB_ASSIGN_OR_RETURN(record, SelectModel(connection, database_, version));
       return absl::OkStatus();
@@ -343,7 +355,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys,
                             FindModelClips(connection, database_key, model, current->clip_count,
-                                           std::ssize(model.clips()), Deleted::kNot));
+                                           std::ssize(model.clips()), DeletedClips::kNot));
   MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key));
   MOTIONDB_RETURN_IF_ERROR(Supersede(connection, current->model_key));
   MOTIONDB_ASSIGN_OR_RETURN(
@@ -356,7 +368,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
                  current->built_key, std::ssize(model.clips()) - model.built_clip_count(),
                  model.frame_count() - model.built_frame_count(), drift_fraction, model_key)
           .Run());
-  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "model", model_key));
+  MOTIONDB_RETURN_IF_ERROR(NoteModelChange(connection, database_key, model_key));
   MOTIONDB_RETURN_IF_ERROR(
       InsertClips(connection, current->built_key, current->clip_count, clip_keys));
   MOTIONDB_RETURN_IF_ERROR(DeleteOldRecords(connection, database_key, version));
@@ -365,7 +377,8 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
 
 absl::Status RetireCurrentModel(Connection& connection, const std::string& database) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  return Retire(connection, database_key);
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t dropped, Retire(connection, database_key));
+  return dropped == 0 ? absl::OkStatus() : NoteModelChange(connection, database_key, dropped);
 }
 
 }  // namespace motiondb::storage

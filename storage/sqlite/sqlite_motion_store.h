@@ -29,7 +29,7 @@ namespace motiondb::storage {
 struct SqliteOptions {
   // Maximum number of concurrent reads; others wait.
   int reader_count = 4;
-  // Clock for the creation time of models: microseconds since the Unix epoch. Empty: system clock.
+  // Clock for the time of models and edits: microseconds since the Unix epoch. Empty: system clock.
   // All other times come with the records.
   std::function<std::int64_t()> now_us;
   // Disk space that additions must leave free (disk_reserve.h); 0: no check. Ignored for a store in
@@ -42,7 +42,10 @@ struct SqliteOptions {
   std::string vfs;
 };
 
-class SqliteMotionStore final : public MotionStore, public AccessStore, public StoreMaintenance {
+class SqliteMotionStore final : public MotionStore,
+                                public AnnotationStore,
+                                public AccessStore,
+                                public StoreMaintenance {
  public:
   // Opens the store at `path`. Creates it if the file is missing or empty; upgrades an older
   // version. ":memory:" is a store that ends with the object. FAILED_PRECONDITION, changing
@@ -103,6 +106,26 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
 
   absl::Status CheckWrites() override;
   WriteFailures write_failures() const override { return write_health_.failures(); }
+
+  AnnotationStore& annotations() override { return *this; }
+  absl::StatusOr<EditRecord> Edit(const std::string& database, std::span<const Change> changes,
+                                  const std::string& author,
+                                  const WriteOptions& terms = {}) override;
+  absl::StatusOr<EditRecord> UndoEdit(const std::string& database, std::int64_t edit,
+                                      const std::string& author,
+                                      const WriteOptions& terms = {}) override;
+  absl::StatusOr<std::vector<EditRecord>> ListEdits(const std::string& database,
+                                                    const std::string& clip, std::int64_t before,
+                                                    int limit) override;
+  absl::StatusOr<SegmentRecord> GetSegment(const std::string& database, const std::string& clip,
+                                           const std::string& segment) override;
+  absl::StatusOr<std::vector<SegmentRecord>> ListSegments(const std::string& database,
+                                                          const std::string& clip) override;
+  absl::StatusOr<std::int64_t> Revision(const std::string& database) override;
+  absl::StatusOr<std::vector<ChangeRecord>> Changes(const std::string& database, std::int64_t after,
+                                                    int limit, std::int64_t begun = 0) override;
+  absl::StatusOr<std::vector<TextMatch>> SearchClips(const std::string& database,
+                                                     const std::string& query) override;
 
   AccessStore& access() override { return *this; }
   absl::Status AddToken(const TokenRecord& record, const WriteOptions& terms = {}) override;

@@ -11,11 +11,14 @@
 #include "storage/blob/checksums.h"
 #include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
+#include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
+#include "storage/sqlite/edit_table.h"
 #include "storage/sqlite/operation_table.h"
 #include "storage/sqlite/row_checksum.h"
 #include "storage/sqlite/schema.h"
+#include "storage/sqlite/segment_table.h"
 #include "storage/sqlite/token_table.h"
 
 namespace motiondb::storage {
@@ -105,6 +108,7 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Corruption>& found) {
       return Note("", In("the file", CheckSchema(connection)));
     }
     if (phase == Phase::kFile) return CheckFile(connection);
+    if (phase == Phase::kSearch) return CheckSearchIndex(connection);
     if (phase == Phase::kRecords) return CheckRecords(connection);
     if (phase == Phase::kRows) {
       const absl::Status checked = CheckRows(connection);
@@ -117,6 +121,7 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Corruption>& found) {
       if (phase == Phase::kClips) more = CheckClip(connection);
       if (phase == Phase::kSkeletons) more = CheckSkeleton(connection);
       if (phase == Phase::kModels) more = CheckModel(connection);
+      if (phase == Phase::kEdits) more = CheckNextEdit(connection);
       if (!more.ok()) return more.status();
       if (!*more) {
         Advance();
@@ -141,7 +146,7 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Corruption>& found) {
 }
 
 double SqliteVerifier::progress() const {
-  if (phase_ <= Phase::kFile) return 0;
+  if (phase_ <= Phase::kSearch) return 0;
   if (phase_ == Phase::kDone) return 1;
   const double read = static_cast<double>(totals_.byte_count) / static_cast<double>(file_bytes_);
   return kFileShare + (1 - kFileShare) * std::min(1.0, read);
@@ -192,11 +197,24 @@ absl::Status SqliteVerifier::CheckFile(Connection& connection) {
   return absl::OkStatus();
 }
 
+absl::Status SqliteVerifier::CheckSearchIndex(Connection& connection) {
+  Advance();
+  const Interruptible interruptible(connection, cancelled_);
+  const auto wrong = FindWrongWords(connection);
+  if (!wrong.ok()) return Note("", In("the search index", wrong.status()));
+  for (const std::string& resource : *wrong) {
+    MOTIONDB_RETURN_IF_ERROR(
+        Note(resource, core::DataLoss("search index: its words differ from the clip")));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
   Statement row = connection.Query(
       "SELECT clip_key, name, id, clip.deleted, frame_count, root_path_crc, ifnull((SELECT version "
       "FROM "
-      "model WHERE model.database_key = clip.database_key AND current = 1), 0) FROM clip "
+      "model WHERE model.database_key = clip.database_key AND current = 1), 0), database_key FROM "
+      "clip "
       "JOIN database USING (database_key) WHERE database.deleted = 0 AND clip_key > ? AND "
       "(clip.deleted = 0 OR clip_key IN "
       "(SELECT clip_key FROM model_clip)) ORDER BY clip_key LIMIT 1",
@@ -218,10 +236,31 @@ absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
   ++totals_.clip_count;
   const std::string name = MemberName(database, "clips", id);
   const BlobOwner owner = ClipOwner(last_key_);
-  MOTIONDB_RETURN_IF_ERROR(Note(name, SelectClip(connection, database, id).status()));
+  MOTIONDB_RETURN_IF_ERROR(
+      Note(name, CheckAnnotations(connection, {row.Integer(7), last_key_, database, id})));
   MOTIONDB_RETURN_IF_ERROR(Note(name, CheckBytes(connection, owner, BlobKind::kMotionFile)));
   MOTIONDB_RETURN_IF_ERROR(Note(name, CheckBytes(connection, owner, BlobKind::kSkeletonFile)));
   MOTIONDB_RETURN_IF_ERROR(Note(name, CheckStates(connection, last_key_, frames, crc)));
+  return true;
+}
+
+absl::Status SqliteVerifier::CheckAnnotations(Connection& connection, const ClipRef& clip) {
+  MOTIONDB_ASSIGN_OR_RETURN(const ClipRecord record,
+                            SelectClip(connection, clip.database, clip.clip));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto segments, SelectSegments(connection, clip));
+  return CheckClipText(connection, clip.clip_key, TextOf(record, segments));
+}
+
+absl::StatusOr<bool> SqliteVerifier::CheckNextEdit(Connection& connection) {
+  Statement row = connection.Query(
+      "SELECT edit_key, name, edit.revision FROM edit JOIN database USING (database_key) "
+      "WHERE deleted = 0 AND edit_key > ? ORDER BY edit_key LIMIT 1",
+      last_key_);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return false;
+  last_key_ = row.Integer(0);
+  MOTIONDB_RETURN_IF_ERROR(
+      Note(MemberName(row.Text(1), "edits", row.Text(2)), CheckEdit(connection, last_key_)));
   return true;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "storage/sqlite/chunk_table.h"
+#include "storage/sqlite/clip_row.h"
 #include "storage/sqlite/connection.h"
 #include "storage/store_maintenance.h"
 
@@ -31,17 +32,32 @@ class SqliteVerifier final : public StoreVerifier {
   const VerifyTotals& totals() const override { return totals_; }
 
  private:
-  enum class Phase { kSchema, kFile, kClips, kSkeletons, kModels, kRecords, kRows, kDone };
+  enum class Phase {
+    kSchema,
+    kFile,
+    kSearch,
+    kClips,
+    kSkeletons,
+    kModels,
+    kEdits,
+    kRecords,
+    kRows,
+    kDone
+  };
 
   absl::Status CheckFile(Connection& connection);
+  absl::Status CheckSearchIndex(Connection& connection);
   // Each checks the row after `last_key_`. Returns false if there is none.
   absl::StatusOr<bool> CheckClip(Connection& connection);
   absl::StatusOr<bool> CheckSkeleton(Connection& connection);
   absl::StatusOr<bool> CheckModel(Connection& connection);
+  absl::StatusOr<bool> CheckNextEdit(Connection& connection);
   absl::Status CheckRecords(Connection& connection);
   // Checks the row checksums of table number `last_key_`.
   absl::Status CheckRows(Connection& connection);
 
+  // Checks the record of a clip, its segments and its searched text.
+  absl::Status CheckAnnotations(Connection& connection, const ClipRef& clip);
   // Checks that a blob is complete and that its chunks are valid.
   absl::Status CheckBytes(Connection& connection, const BlobOwner& owner, BlobKind kind);
   absl::Status CheckStates(Connection& connection, std::int64_t clip_key, std::int32_t frames,

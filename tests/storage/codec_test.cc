@@ -18,6 +18,27 @@ storage::SpanSource SourceOf(const std::string& bytes) {
   return storage::SpanSource(std::as_bytes(std::span(bytes)));
 }
 
+// Size of the labels of the sample clip.
+constexpr std::size_t kOneLabelBytes = 34;
+
+std::string Number(std::uint32_t number) {
+  return std::string(reinterpret_cast<const char*>(&number), sizeof(number));
+}
+
+// Returns the encoded labels of the sample clip: one span over 60 frames of one track.
+std::string OneLabel() {
+  return Number(1) + Number(6) + "action" + Number(1) + Number(4) + "walk" + Number(0) + Number(60);
+}
+
+// Changes a model of one clip "walk" without labels to an older version, in which the label follows
+// the id of the clip.
+std::string WithLabelInClip(std::string bytes, char version) {
+  const std::string text = Number(4) + "walk";
+  bytes.insert(bytes.find(text), text);
+  bytes[0] = version;
+  return bytes;
+}
+
 // Each function decodes the bytes and encodes the result again.
 absl::StatusOr<std::string> RecodeStates(const std::string& bytes) {
   auto source = SourceOf(bytes);
@@ -245,8 +266,8 @@ TEST_CASE("ModelCodec: a model of version 1 is read without the parts of later v
   // The fields of version 2 now have a known size; they precede the last field.
   std::string bytes = Encoded(plain);
   constexpr std::size_t kAnswerBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
-  // Version 4 added one number here.
-  constexpr std::size_t kAdded = 5 * sizeof(std::uint32_t) + 2 * kAnswerBytes;
+  // Version 4 added one number here, version 5 the labels.
+  constexpr std::size_t kAdded = 5 * sizeof(std::uint32_t) + 2 * kAnswerBytes + kOneLabelBytes;
   bytes.erase(bytes.size() - sizeof(double) - kAdded, kAdded);
   // The fields of version 3, a threshold count of 0 and a clip count, follow the branches.
   const auto& branches = plain.tree.branches();
@@ -254,7 +275,7 @@ TEST_CASE("ModelCodec: a model of version 1 is read without the parts of later v
                                       branches.size() * sizeof(core::Branch));
   bytes.erase(bytes.find(branch_bytes) + branch_bytes.size(),
               sizeof(std::uint32_t) + sizeof(std::int32_t));
-  bytes[0] = 1;
+  bytes = WithLabelInClip(bytes, 1);
 
   auto source = SourceOf(bytes);
   core::ModelParts parts = Require(storage::DecodeModel(source));
@@ -265,6 +286,18 @@ TEST_CASE("ModelCodec: a model of version 1 is read without the parts of later v
   parts.root_path = model.root_path();
   const core::Model back = Require(core::Model::Create(std::move(parts)));
   REQUIRE(Encoded(back.parts()) == Encoded(plain));
+}
+
+TEST_CASE("ModelCodec: a model of version 4 has one label for each clip", "[storage][codec]") {
+  const core::Model model = SampleModel({SampleClip("d", "walk", 1)});
+  std::string bytes = Encoded(model.parts());
+  const std::string labels = OneLabel();
+  bytes.erase(bytes.find(labels), labels.size());
+  bytes = WithLabelInClip(bytes, 4);
+  auto source = SourceOf(bytes);
+  const core::ModelParts parts = Require(storage::DecodeModel(source));
+  REQUIRE(parts.clips[0].label() == "walk");
+  REQUIRE(Encoded(parts) == Encoded(model.parts()));
 }
 
 TEST_CASE("ModelCodec: corruption is detected", "[storage][codec]") {

@@ -22,7 +22,9 @@ constexpr char kRows[] =
     "SELECT (SELECT count(*) FROM clip) + (SELECT count(*) FROM clip_chunk) + (SELECT count(*) "
     "FROM skeleton) + (SELECT count(*) FROM skeleton_chunk) + (SELECT count(*) FROM model) + "
     "(SELECT count(*) FROM model_layer) + (SELECT count(*) FROM model_clip) + (SELECT count(*) "
-    "FROM model_chunk) + (SELECT count(*) FROM operation) + (SELECT count(*) FROM database)";
+    "FROM model_chunk) + (SELECT count(*) FROM operation) + (SELECT count(*) FROM database) + "
+    "(SELECT count(*) FROM segment) + (SELECT count(*) FROM tombstone) + (SELECT count(*) FROM "
+    "edit) + (SELECT count(*) FROM clip_text)";
 constexpr char kChunkBytes[] = "SELECT ifnull(sum(length(chunk)), 0) FROM clip_chunk";
 
 // Creates a database with every kind of content: models, an extension, a deleted clip, an
@@ -44,6 +46,10 @@ void Fill(storage::MotionStore& store, const std::string& database) {
   REQUIRE_OK(store.PutExtension(
       database, Require(core::ExtendModel(model, std::move(inputs), core::RunSerially)), 0.1));
   REQUIRE_OK(store.DeleteClip(database, "gone"));
+  storage::ClipChange title;
+  title.clip = "walk";
+  title.title = "Title";
+  REQUIRE_OK(store.annotations().Edit(database, std::vector<storage::Change>{title}, "me"));
   REQUIRE_OK(store.PutOperation(SampleOperation(database, database + "-op")));
 }
 

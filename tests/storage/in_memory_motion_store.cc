@@ -101,25 +101,30 @@ absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database,
 absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(clip.record.database));
+  return Add(*in, clip, {});
+}
+
+absl::StatusOr<ClipRecord> InMemoryMotionStore::Add(Database& in, const NewClip& clip,
+                                                    const Segments& former) {
   if (clip.record.frame_count != clip.states.frame_count()) {
     return core::InvalidArgument("clip '{}': wrong frame_count", clip.record.id);
   }
   if (clip.states.root_path.rows() != clip.states.states.rows()) {
     return core::InvalidArgument("expected a root pose for each frame");
   }
-  for (const auto& [id, stored] : in->clips) {
+  for (const auto& [id, stored] : in.clips) {
     if (stored.record.content_hash == clip.record.content_hash) {
       return absl::AlreadyExistsError(
           fmt::format("the database already has the same motion as clip '{}'", id));
     }
   }
-  const std::string id = ChooseFreeId(in->clips, clip.record.id);
+  const std::string id = ChooseFreeId(in.clips, clip.record.id);
   if (clip.id_is_fixed && id != clip.record.id) {
     return absl::AlreadyExistsError(
         fmt::format("the database already has another clip '{}'", clip.record.id));
   }
   if (clip.marker_set_text) {
-    std::string& text = in->record.marker_set_text;
+    std::string& text = in.record.marker_set_text;
     if (!text.empty() && text != *clip.marker_set_text) {
       return core::FailedPrecondition("the database already has another marker set");
     }
@@ -133,15 +138,31 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
                                 clip.states.states.size() * sizeof(float));
   if (clip.skeleton) {
     const auto alike = std::ranges::find_if(
-        in->skeletons, [&](const auto& entry) { return Same(entry.second, *clip.skeleton); });
+        in.skeletons, [&](const auto& entry) { return Same(entry.second, *clip.skeleton); });
     stored.record.skeleton_id =
-        alike == in->skeletons.end() ? ChooseFreeId(in->skeletons, "skeleton") : alike->first;
-    in->skeletons.emplace(stored.record.skeleton_id, *clip.skeleton);
+        alike == in.skeletons.end() ? ChooseFreeId(in.skeletons, "skeleton") : alike->first;
+    in.skeletons.emplace(stored.record.skeleton_id, *clip.skeleton);
   }
+  stored.record.revision = in.revision + 1;
+  const storage::ChangeStamp stamp{clip.author, stored.record.create_time_us,
+                                   stored.record.revision};
+  MOTIONDB_ASSIGN_OR_RETURN(Segments segments,
+                            storage::SegmentsOf(clip, stored.record, former, stamp));
+  stored.segments.clear();
+  stored.record.label = storage::LabelOf(segments);
   if (clip.audit) {
     MOTIONDB_RETURN_IF_ERROR(access_.AddAuditRecord(clip.audit(stored.record)));
   }
-  return in->clips.emplace(id, std::move(stored)).first->second.record;
+  in.revision = stored.record.revision;
+  for (const auto& segment : former) {
+    const bool stays =
+        std::ranges::find(segments, segment.id, &storage::SegmentRecord::id) != segments.end();
+    if (!stays && segment.clip == id) Bury(in, {id, segment.id}, in.revision);
+  }
+  for (const auto& segment : segments) Unbury(in, {id, segment.id});
+  in.clips.emplace(id, std::move(stored));
+  SetSegments(in, id, std::move(segments));
+  return in.clips.at(id).record;
 }
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::FindSameClip(const NewClip& clip) {
@@ -157,19 +178,25 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::FindSameClip(const NewClip& clip
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::ReplaceClip(const ClipRecord& before,
                                                             const NewClip& clip) {
-  const auto stored = GetClip(before.database, before.id);
-  const bool is_same = stored.ok() && stored->content_hash == before.content_hash &&
-                       stored->create_time_us == before.create_time_us;
-  if (!is_same) return absl::AbortedError("the clip has changed");
-  Database* const in = *Find(before.database);
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(before.database));
+  const auto stored = in->clips.find(before.id);
+  if (stored == in->clips.end() || stored->second.record.content_hash != before.content_hash ||
+      stored->second.record.create_time_us != before.create_time_us) {
+    return absl::AbortedError("the clip has changed");
+  }
   const Database unchanged = *in;
-  MOTIONDB_RETURN_IF_ERROR(DeleteClip(before.database, before.id, {}).status());
-  auto added = AddClip(clip);
+  NewClip next = clip;
+  storage::KeepAnnotations(stored->second.record, next.record);
+  const Segments segments = in->segments.at(before.id);
+  Remove(*in, before.id);
+  auto added = Add(*in, next, segments);
   if (!added.ok()) {
     *in = unchanged;
-  } else if (in->model) {
-    in->replaced.insert(before.id);
+    return added;
   }
+  if (in->model) in->replaced.insert(before.id);
+  if (added->id != before.id) Bury(*in, {before.id, ""}, in->revision);
   return added;
 }
 
@@ -194,14 +221,21 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::DeleteClip(const std::string& da
   MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
   ClipRecord record = found->record;
   Database* const in = *Find(database);
-  in->deleted.push_back(*found);
-  in->clips.erase(clip);
-  const bool used = std::ranges::any_of(in->clips, [&](const auto& entry) {
-    return entry.second.record.skeleton_id == record.skeleton_id;
-  });
-  if (!used) in->skeletons.erase(record.skeleton_id);
+  Remove(*in, clip);
+  Bury(*in, {clip, ""}, ++in->revision);
   MOTIONDB_RETURN_IF_ERROR(Note(terms));
   return record;
+}
+
+void InMemoryMotionStore::Remove(Database& in, const std::string& clip) {
+  const auto found = in.clips.find(clip);
+  const std::string skeleton = found->second.record.skeleton_id;
+  in.deleted.push_back(std::move(found->second));
+  in.clips.erase(found);
+  in.segments.erase(clip);
+  const bool used = std::ranges::any_of(
+      in.clips, [&](const auto& entry) { return entry.second.record.skeleton_id == skeleton; });
+  if (!used) in.skeletons.erase(skeleton);
 }
 
 absl::StatusOr<storage::ClipSource> InMemoryMotionStore::ReadClipSource(const std::string& database,
@@ -234,13 +268,27 @@ absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::PutDerived(
         found->second.record.create_time_us != clip.record.create_time_us) {
       continue;
     }
+    if (stored.empty()) ++in->revision;
     NewClip& to = found->second;
+    ClipRecord record = clip.record;
+    storage::CopyAnnotations(to.record, record);
+    record.revision = in->revision;
     if (clip.states) {
       in->deleted.push_back(to);
-      in->replaced.insert(clip.record.id);
+      in->replaced.insert(record.id);
       to.states = *clip.states;
     }
-    to.record = clip.record;
+    to.record = record;
+    if (clip.states) {
+      Segments segments = in->segments.at(record.id);
+      storage::AdaptToClip(record, {"", record.tried_time_us, in->revision}, segments);
+      for (const auto& former : in->segments.at(record.id)) {
+        const auto found_again =
+            std::ranges::find(segments, former.id, &storage::SegmentRecord::id);
+        if (found_again == segments.end()) Bury(*in, {record.id, former.id}, in->revision);
+      }
+      SetSegments(*in, record.id, std::move(segments));
+    }
     stored.push_back(to.record);
   }
   return stored;

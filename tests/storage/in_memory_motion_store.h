@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "core/model/model.h"
+#include "storage/edit_plan.h"
 #include "storage/motion_store.h"
 #include "tests/storage/in_memory_access_store.h"
 
@@ -36,7 +38,7 @@ class NoMaintenance final : public storage::StoreMaintenance {
   }
 };
 
-class InMemoryMotionStore final : public storage::MotionStore {
+class InMemoryMotionStore final : public storage::MotionStore, public storage::AnnotationStore {
  public:
   explicit InMemoryMotionStore(std::int64_t put_time_us) : put_time_us_(put_time_us) {}
 
@@ -99,10 +101,39 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::StatusOr<std::vector<storage::OperationRecord>> ListOperations(const std::string& database,
                                                                        const std::string& before,
                                                                        int limit) override;
+  storage::AnnotationStore& annotations() override { return *this; }
+  absl::StatusOr<storage::EditRecord> Edit(const std::string& database,
+                                           std::span<const storage::Change> changes,
+                                           const std::string& author,
+                                           const storage::WriteOptions& terms = {}) override;
+  absl::StatusOr<storage::EditRecord> UndoEdit(const std::string& database, std::int64_t edit,
+                                               const std::string& author,
+                                               const storage::WriteOptions& terms = {}) override;
+  absl::StatusOr<std::vector<storage::EditRecord>> ListEdits(const std::string& database,
+                                                             const std::string& clip,
+                                                             std::int64_t before,
+                                                             int limit) override;
+  absl::StatusOr<storage::SegmentRecord> GetSegment(const std::string& database,
+                                                    const std::string& clip,
+                                                    const std::string& segment) override;
+  absl::StatusOr<std::vector<storage::SegmentRecord>> ListSegments(
+      const std::string& database, const std::string& clip) override;
+  absl::StatusOr<std::int64_t> Revision(const std::string& database) override;
+  absl::StatusOr<std::vector<storage::ChangeRecord>> Changes(const std::string& database,
+                                                             std::int64_t after, int limit,
+                                                             std::int64_t begun = 0) override;
+  absl::StatusOr<std::vector<storage::TextMatch>> SearchClips(const std::string& database,
+                                                              const std::string& query) override;
+
   storage::AccessStore& access() override { return access_; }
   storage::StoreMaintenance& maintenance() override { return maintenance_; }
 
  private:
+  using Segments = std::vector<storage::SegmentRecord>;
+  struct Tombstone {
+    std::int64_t revision = 0;
+    storage::Deleted deleted;
+  };
   struct Database {
     storage::DatabaseRecord record;
     std::map<std::string, storage::NewClip> clips;
@@ -111,6 +142,12 @@ class InMemoryMotionStore final : public storage::MotionStore {
     std::map<std::string, core::Skeleton> skeletons;
     std::vector<storage::ModelRecord> models;  // version 1 first
     std::optional<core::Model> model;
+    std::map<std::string, Segments> segments;  // by clip, in order of track and start
+    std::int64_t revision = 0;
+    std::int64_t model_revision = 0;
+    std::vector<storage::EditRecord> edits;  // oldest first
+    std::vector<Tombstone> tombstones;       // oldest first
+    std::int64_t removed_revision = 0;
   };
 
   // Returns whether the clip of the model was built from `stored`.
@@ -121,6 +158,19 @@ class InMemoryMotionStore final : public storage::MotionStore {
   // Makes `model` the current model. NOT_FOUND if one of its clips from index `first` on is not
   // stored; if `first` is 0, deleted clips are accepted too.
   absl::StatusOr<storage::ModelRecord> Put(Database& in, const core::Model& model, int first);
+  // AddClip and DeleteClip, with mutex_ locked. `former`: segments of the clip that is replaced.
+  absl::StatusOr<storage::ClipRecord> Add(Database& in, const storage::NewClip& clip,
+                                          const Segments& former);
+  static void Remove(Database& in, const std::string& clip);
+  // Sets the segments of a clip after a change of one of them.
+  static void SetSegments(Database& in, const std::string& clip, Segments segments);
+  static void Bury(Database& in, const storage::Deleted& deleted, std::int64_t revision);
+  static void Unbury(Database& in, const storage::Deleted& deleted);
+  using Plan = std::function<absl::StatusOr<std::vector<storage::EditedObject>>(
+      const storage::LoadClip& load, const storage::ChangeStamp& stamp)>;
+  absl::StatusOr<storage::EditRecord> Make(Database& in, const Plan& plan,
+                                           const std::string& author,
+                                           const storage::WriteOptions& terms);
   absl::Status Note(const storage::WriteOptions& terms);
   absl::StatusOr<Database*> Find(const std::string& database);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);

@@ -16,8 +16,7 @@ namespace motiondb::tests {
 
 bool InMemoryMotionStore::IsOf(const storage::NewClip& stored, const core::Model& model,
                                const core::ModelClip& clip) {
-  return stored.record.id == clip.id && stored.record.label == clip.label &&
-         stored.record.frame_count == clip.frame_count &&
+  return stored.record.id == clip.id && stored.record.frame_count == clip.frame_count &&
          stored.record.leg_length_m == clip.leg_length_m &&
          stored.states.root_path ==
              model.root_path().middleRows(clip.first_frame, clip.frame_count);
@@ -60,6 +59,7 @@ absl::StatusOr<storage::ModelRecord> InMemoryMotionStore::Put(Database& in,
     record.nodes_per_layer.push_back(model.tree().node_count(layer));
   }
   in.model = model;
+  in.model_revision = ++in.revision;
   return in.models.emplace_back(std::move(record));
 }
 
@@ -152,7 +152,10 @@ absl::StatusOr<std::vector<storage::ModelRecord>> InMemoryMotionStore::ListModel
 absl::Status InMemoryMotionStore::DropModel(const std::string& database) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
-  if (in->model) in->models.back().current = false;
+  if (in->model) {
+    in->models.back().current = false;
+    in->model_revision = ++in->revision;
+  }
   in->model.reset();
   in->deleted.clear();
   return absl::OkStatus();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/storage/access_store_conformance.h"
+#include "tests/storage/annotation_conformance.h"
 #include "tests/storage/clip_conformance.h"
 #include "tests/storage/model_conformance.h"
 #include "tests/storage/require_ok.h"
@@ -133,6 +134,18 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
   SECTION("identical skeletons are stored once") { TestSkeletons(*store); }
   SECTION("models are stored") { TestModels(*store); }
   SECTION("operations are stored and listed newest first") { TestOperations(*store); }
+  SECTION("segments are edited") { TestSegments(*store); }
+  SECTION("a label is a segment") { TestLabels(*store); }
+  SECTION("segments are stored with a new clip") { TestSegmentsOfNewClips(*store); }
+  SECTION("edits are kept and listed newest first") { TestEdits(*store); }
+  SECTION("edits are undone") { TestUndo(*store); }
+  SECTION("annotations are kept") { TestKeptAnnotations(*store); }
+  SECTION("clips are found by words") { TestTextSearch(*store); }
+  SECTION("changes are listed") { TestChanges(*store); }
+  SECTION("random edits have the effect that a simple model has") {
+    TestRandomEdits(*store, 1, 60);
+  }
+  SECTION("replicas follow random changes") { TestReplicas(*store, 1, 60); }
   SECTION("tokens are stored") { TestTokens(*store); }
   SECTION("audit entries are stored and listed newest first") { TestAudit(*store); }
   SECTION("an audit entry is stored only with its change") { TestAuditOfChanges(*store); }

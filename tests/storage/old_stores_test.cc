@@ -15,7 +15,7 @@ namespace motiondb::tests::old_stores_test {
 
 TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its content",
           "[storage][migration]") {
-  const int version = GENERATE(1, 2, 3, 4, 5, 6, 7, 8);
+  const int version = GENERATE(1, 2, 3, 4, 5, 6, 7, 8, 9);
   const StoreFile file;
   std::ofstream(file.path(), std::ios::binary) << OldStore(version);
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));
@@ -62,6 +62,38 @@ TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its c
     REQUIRE(Require(store->ListOperations("walks", "", 10)).size() == 3);
     REQUIRE(Require(store->ReadClipSource("walks", "walk")).file_bytes.starts_with("HIERARCHY"));
     REQUIRE_OK(store->GetSkeleton("walks", clips[0].skeleton_id));
+    // Labels are segments; clips, segments and the model have revisions.
+    for (const auto& clip : clips) {
+      REQUIRE(clip.label == "unlabelled");
+      REQUIRE(clip.revision > 0);
+      REQUIRE(clip.title.empty());
+      REQUIRE(clip.edit_time_us == 0);
+      const auto segments = Require(store->annotations().ListSegments("walks", clip.id));
+      REQUIRE(segments.size() == 1);
+      REQUIRE(segments[0].id == storage::kLabelSegment);
+      REQUIRE(segments[0].track == storage::kActionTrack);
+      REQUIRE(segments[0].label == clip.label);
+      REQUIRE(segments[0].source == storage::SegmentSource::kImport);
+      REQUIRE(segments[0].create_time_us == clip.create_time_us);
+      REQUIRE(segments[0].revision == clip.revision);
+      REQUIRE_FALSE(segments[0].end_seconds);
+      const auto matches =
+          Require(store->annotations().SearchClips("walks", clip.id + " unlabelled"));
+      REQUIRE(matches.size() == 1);
+      REQUIRE(matches[0].clip == clip.id);
+    }
+    const auto changes = Require(store->annotations().Changes("walks", 0, 10));
+    REQUIRE(changes.size() == 5);
+    REQUIRE(std::get<storage::ModelPut>(changes.back().change).version == 3);
+    REQUIRE(changes.back().revision == Require(store->annotations().Revision("walks")));
+    REQUIRE(Require(store->annotations().Changes("walks", 0, 1)).size() == 2);
+    storage::ClipChange relabel;
+    relabel.clip = "walk";
+    relabel.label = "stroll";
+    const auto edit =
+        Require(store->annotations().Edit("walks", std::vector<storage::Change>{relabel}, "me"));
+    REQUIRE(edit.id == changes.back().revision + 1);
+    REQUIRE(Require(store->GetClip("walks", "walk")).label == "stroll");
     // Writing works, also to tables of later versions.
     REQUIRE_OK(store->access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}));
     REQUIRE_OK(store->DeleteClip("walks", "squat"));

@@ -240,6 +240,22 @@ TEST_CASE("Faults: an ingest", "[storage][power]") {
   RunAll({FileOf(FillWithModel), [clip](Store& store) { return store.AddClip(clip).status(); }});
 }
 
+TEST_CASE("Faults: an edit", "[storage][power]") {
+  std::vector<storage::Change> changes;
+  storage::ClipChange title;
+  title.clip = "walk";
+  title.title = "Title";
+  changes.emplace_back(title);
+  storage::SegmentCreation segment;
+  segment.segment.clip = "walk";
+  segment.segment.id = "step";
+  segment.segment.end_seconds = 0.5;
+  changes.emplace_back(segment);
+  RunAll({FileOf(FillWithModel), [changes](Store& store) {
+            return store.annotations().Edit("d", changes, "me", {&kEntry}).status();
+          }});
+}
+
 TEST_CASE("Faults: a rebuild", "[storage][power]") {
   const core::Model model = SampleModel({SampleClip("d", "run", 2), SampleClip("d", "walk", 1)});
   RunAll({FileOf(FillWithModel),

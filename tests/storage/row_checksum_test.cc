@@ -22,6 +22,11 @@ void Fill(const StoreFile& file) {
   const storage::AuditRecord entry{.time_us = 1, .principal = "p", .method = "m"};
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d"), {.audit = &entry}));
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
+  storage::SegmentCreation hop;
+  hop.segment.clip = "walk";
+  hop.segment.id = "hop";
+  hop.segment.end_seconds = 1;
+  REQUIRE_OK(store->annotations().Edit("d", std::vector<storage::Change>{hop}, "p"));
   REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "walk", 1)})));
   REQUIRE_OK(store->PutOperation(SampleOperation("d", "op")));
   REQUIRE_OK(store->access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}));
@@ -36,9 +41,8 @@ std::string FindingsAfter(const std::string& change) {
 
 }  // namespace
 
-TEST_CASE("Verify: a changed file name, which only the row checksum can detect",
-          "[storage][verify]") {
-  REQUIRE(FindingsAfter("UPDATE clip SET file_name = 'run.bvh'") ==
+TEST_CASE("Verify: a changed report, which only the row checksum can detect", "[storage][verify]") {
+  REQUIRE(FindingsAfter("UPDATE clip SET source_report = 'unit 1 m'") ==
           "databases/d/clips/walk: row 1 of table clip: its checksum does not match\n");
 }
 
@@ -62,6 +66,11 @@ TEST_CASE("Verify: names the row of every table that was changed", "[storage][ve
       {"UPDATE model SET build_seconds = 9", "databases/d/models/1: row 1 of table model"},
       {"UPDATE model_layer SET node_count = 99", ": row 1 of table model_layer"},
       {"UPDATE model_clip SET row_crc = NULL", ": row 1 of table model_clip"},
+      {"UPDATE clip SET title = 'x'", "databases/d/clips/walk: row 1 of table clip"},
+      {"UPDATE segment SET label = 'x'",
+       "databases/d/clips/walk/segments/hop: row 1 of table segment"},
+      {"UPDATE tombstone SET clip = 'x'", ": row 1 of table tombstone"},
+      {"UPDATE edit SET author = 'x'", "databases/d/edits/2: row 1 of table edit"},
       {"UPDATE operation SET stage = 'x'", "operations/op: row 1 of table operation"},
       {"UPDATE token SET role = 'admin'", "tokens/t: row 1 of table token"},
       {"UPDATE token SET expire_time_us = 0 + (expire_time_us = 0)",
@@ -83,8 +92,9 @@ TEST_CASE("Row checksums: cover all columns of every table except chunk tables",
     REQUIRE(Require(storage::FindChangedRows(*connection, table)).empty());
   }
   REQUIRE(static_cast<std::size_t>(Require(connection->QueryInteger(
-              "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND name NOT LIKE "
-              "'sqlite_%' AND name NOT LIKE '%_chunk'"))) == storage::CheckedTables().size());
+              "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND type = "
+              "'table' AND name NOT LIKE 'sqlite_%' AND name NOT LIKE '%_chunk'"))) ==
+          storage::CheckedTables().size());
   // In each table, a change of any single column is detected.
   for (const std::string_view table : storage::CheckedTables()) {
     auto column = connection->Query("SELECT name, type FROM pragma_table_info(?)", table);
@@ -99,7 +109,8 @@ TEST_CASE("Row checksums: cover all columns of every table except chunk tables",
                                std::string(table) + " AS SELECT * FROM store." +
                                std::string(table) +
                                "; CREATE TABLE IF NOT EXISTS database AS "
-                               "SELECT * FROM store.database; DETACH store"));
+                               "SELECT * FROM store.database; CREATE TABLE IF NOT EXISTS clip AS "
+                               "SELECT * FROM store.clip; DETACH store"));
       REQUIRE(Require(storage::FindChangedRows(*copy, table)).empty());
       REQUIRE_OK(copy->Execute("UPDATE " + std::string(table) + " SET " + name + " = " +
                                (column.Text(1) == "TEXT" ? "'other'" : "12345")));

@@ -43,6 +43,7 @@ TEST_CASE("SqliteMotionStore: a new file is a store of the current version", "[s
   REQUIRE(file.Sql("PRAGMA page_size") == "16384");
   REQUIRE(file.Sql("PRAGMA integrity_check") == "ok");
   REQUIRE(file.Sql("SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND strict = 0 "
+                   "AND type = 'table' "
                    "AND name NOT LIKE 'sqlite_%'") == "0");
   file.Open();
   REQUIRE(file.Sql("PRAGMA user_version") == Version());

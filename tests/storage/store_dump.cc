@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "tests/storage/annotation_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 
@@ -17,6 +18,11 @@ std::string DumpDatabase(storage::MotionStore& store, const std::string& databas
     text += source.file_bytes + source.skeleton_bytes;
     text += Encoded(Require(store.ReadClipStates(database, clip.id)));
   }
+  text += DumpAnnotations(store, database);
+  for (const auto& edit : Require(store.annotations().ListEdits(database, "", 0, 1000))) {
+    text += std::to_string(edit.id) + edit.author + std::to_string(edit.objects.size());
+  }
+  text += std::to_string(Require(store.annotations().Changes(database, 0, 1'000'000)).size());
   for (const auto& skeleton : Require(store.ListSkeletons(database, {}))) text += skeleton.id;
   for (const auto& model : Require(store.ListModels(database, 0, 100))) {
     text += std::to_string(model.version) + (model.current ? "*" : "");

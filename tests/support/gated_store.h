@@ -64,6 +64,56 @@ class GatedMaintenance final : public storage::StoreMaintenance {
   Gate& gate_;
 };
 
+// `disk` decides whether edits succeed.
+class GatedAnnotations final : public storage::AnnotationStore {
+ public:
+  GatedAnnotations(storage::AnnotationStore& annotations, const SimulatedDisk& disk)
+      : annotations_(annotations), disk_(disk) {}
+  absl::StatusOr<storage::EditRecord> Edit(
+      const std::string& database, std::span<const storage::Change> changes,
+      const std::string& author, const storage::WriteOptions& work_options = {}) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_.Write());
+    return annotations_.Edit(database, changes, author, work_options);
+  }
+  absl::StatusOr<storage::EditRecord> UndoEdit(
+      const std::string& database, std::int64_t edit, const std::string& author,
+      const storage::WriteOptions& work_options = {}) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_.Write());
+    return annotations_.UndoEdit(database, edit, author, work_options);
+  }
+  absl::StatusOr<std::vector<storage::EditRecord>> ListEdits(const std::string& database,
+                                                             const std::string& clip,
+                                                             std::int64_t before,
+                                                             int limit) override {
+    return annotations_.ListEdits(database, clip, before, limit);
+  }
+  absl::StatusOr<storage::SegmentRecord> GetSegment(const std::string& database,
+                                                    const std::string& clip,
+                                                    const std::string& segment) override {
+    return annotations_.GetSegment(database, clip, segment);
+  }
+  absl::StatusOr<std::vector<storage::SegmentRecord>> ListSegments(
+      const std::string& database, const std::string& clip) override {
+    return annotations_.ListSegments(database, clip);
+  }
+  absl::StatusOr<std::int64_t> Revision(const std::string& database) override {
+    return annotations_.Revision(database);
+  }
+  absl::StatusOr<std::vector<storage::ChangeRecord>> Changes(const std::string& database,
+                                                             std::int64_t after, int limit,
+                                                             std::int64_t begun = 0) override {
+    return annotations_.Changes(database, after, limit, begun);
+  }
+  absl::StatusOr<std::vector<storage::TextMatch>> SearchClips(const std::string& database,
+                                                              const std::string& query) override {
+    return annotations_.SearchClips(database, query);
+  }
+
+ private:
+  storage::AnnotationStore& annotations_;
+  const SimulatedDisk& disk_;
+};
+
 class GatedStore : public storage::MotionStore {
  public:
   // Each kind of call passes its gate first: `gate` reads of clip states and maintenance,
@@ -215,6 +265,7 @@ class GatedStore : public storage::MotionStore {
     return store_->CheckWrites();
   }
   storage::WriteFailures write_failures() const override { return store_->write_failures(); }
+  storage::AnnotationStore& annotations() override { return annotations_; }
   storage::AccessStore& access() override { return store_->access(); }
   storage::StoreMaintenance& maintenance() override { return maintenance_; }
 
@@ -226,6 +277,7 @@ class GatedStore : public storage::MotionStore {
   const std::shared_ptr<Gate> reading_gate_;
   const std::shared_ptr<Gate> derive_gate_;
   GatedMaintenance maintenance_{store_->maintenance(), *gate_};
+  GatedAnnotations annotations_{store_->annotations(), *disk_};
   absl::Status model_fault_;
 };
 

@@ -1,0 +1,40 @@
+// The full-text index of clips: table `clip_text`, whose row ids are the keys of clips. The
+// functions run in the caller's transaction.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "storage/annotation_store.h"
+#include "storage/sqlite/connection.h"
+#include "storage/text_query.h"
+
+namespace motiondb::storage {
+
+// Adds the SQL function `motiondb_words` (NormalizeText) to a connection. Returns an SQLite result
+// code.
+int AddWordsFunction(sqlite3* database);
+
+// REQUIRES: the clip has no text in the index.
+absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
+absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
+// OK if the clip has none.
+absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key);
+
+// See AnnotationStore::SearchClips.
+absl::StatusOr<std::vector<TextMatch>> SelectTextMatches(Connection& connection,
+                                                         const std::string& database,
+                                                         const std::string& query);
+
+// DATA_LOSS unless the index was made from this text of a clip. Reads only.
+absl::Status CheckClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
+
+// Compares the words of the whole index with the texts that it was made from. Returns the resource
+// names of clips whose words differ; DATA_LOSS if it cannot be read. Writes only a temporary table.
+absl::StatusOr<std::vector<std::string>> FindWrongWords(Connection& connection);
+
+}  // namespace motiondb::storage

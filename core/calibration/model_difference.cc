@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "core/calibration/held_out.h"
+#include "core/model/clip_mask.h"
 #include "core/model/even_spread.h"
+#include "core/model/label_units.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/window_alignment.h"
 
@@ -29,21 +31,26 @@ double Spread(const Model& model) {
   return std::sqrt(sum / (static_cast<double>(frames.size()) * model.states().cols()));
 }
 
-// Recognizes `width` frames of a clip, from frame `first`, without the clips of LeftOutWith.
-// Returns the most probable label; empty if no clip remains.
+// Recognizes `width` frames of a clip, from frame `first`, without the clips of LeftOutWith of the
+// unit in their middle. Returns the most probable label; empty if no label remains.
 std::string MostProbableLabel(const Model& model, int clip, int first, int width) {
-  const std::vector<bool> left_out = LeftOutWith(model, clip);
-  if (std::ranges::find(left_out, false) == left_out.end()) return "";
-  const FrameMatrix scaled =
-      model.states().middleRows(model.clips()[clip].first_frame + first, width);
+  const int first_frame = model.clips()[clip].first_frame + first;
+  const auto of_clip = model.action_units()->of_clip(clip);
+  const auto unit = std::ranges::find_if(of_clip, [&](const LabelUnit& u) {
+    return first_frame + width / 2 < u.first_frame + u.frame_count;
+  });
+  const auto mask = MaskWithout(model, LeftOutWith(model, *unit));
+  if (mask == nullptr) return "";
+  const auto units = UnitsOf(model, kActionTrack, mask.get());
+  if (units->labels().empty()) return "";
+  const FrameMatrix scaled = model.states().middleRows(first_frame, width);
   const auto observation = MetricObservation::Create(model, scaled);
   const auto alignment =
-      AlignWindow(model, *observation,
+      AlignWindow(model, *units, *observation,
                   ComparedFrames(0, width, FrameStride(model.settings().frame_rate_hz), false),
-                  left_out, false, {});
-  const std::vector<std::string> labels = Labels(model);
-  const std::vector<double> evidence = LabelEvidence(model, labels, alignment->clips);
-  return labels[std::ranges::max_element(evidence) - evidence.begin()];
+                  mask.get(), false, {});
+  const std::vector<double> evidence = LabelEvidence(units->labels().size(), alignment->units);
+  return units->labels()[std::ranges::max_element(evidence) - evidence.begin()];
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "core/calibration/held_out.h"
 #include "core/calibration/trials.h"
 #include "core/model/even_spread.h"
+#include "core/model/label_units.h"
 #include "core/motion/error.h"
 #include "core/motion/states.h"
 #include "core/prediction/forecast.h"
@@ -16,7 +17,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kMaxMoments = 192;
-constexpr int kMaxPredictedClips = 128;
+constexpr int kMaxPredictedUnits = 128;
 constexpr double kMinMomentDistance = 0.2;  // s; closer moments add little information
 constexpr int kMinSamples = 16;             // to fit an error model
 constexpr double kMinFuture = 0.08;         // s of motion after a moment
@@ -37,17 +38,22 @@ std::vector<Moment> Moments(const Model& model) {
   const double rate = model.settings().frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate));
   const auto future = static_cast<int>(std::ceil(kMinFuture * rate));
-  const std::vector<int> clips = SampleClips(model, kMaxPredictedClips);
-  const int moments_per_clip = kMaxMoments / static_cast<int>(clips.size());
+  const std::vector<LabelUnit> units = SampleUnits(model, kMaxPredictedUnits);
+  const int moments_per_unit = kMaxMoments / static_cast<int>(units.size());
   std::vector<Moment> moments;
   int count = 0;
-  for (const int clip : clips) {
+  for (const LabelUnit& unit : units) {
+    const int clip = unit.clip;
     const ModelClip& stored = model.clips()[clip];
     const int end = stored.first_frame + stored.frame_count;
-    const int usable_frames = stored.frame_count - past - future;
+    // Frames of the unit with enough frames of the clip before and after them.
+    const int first = unit.first_frame - stored.first_frame;
+    const int first_usable = std::max(past, first);
+    const int usable_frames =
+        std::min(stored.frame_count - future, first + unit.frame_count) - first_usable;
     const auto distinct = static_cast<int>(std::ceil(usable_frames / (kMinMomentDistance * rate)));
-    for (const int usable : SpreadEvenly(usable_frames, std::min(moments_per_clip, distinct))) {
-      const int frame = past + usable;
+    for (const int usable : SpreadEvenly(usable_frames, std::min(moments_per_unit, distinct))) {
+      const int frame = first_usable + usable;
       moments.push_back({clip, frame, {stored.first_frame, end}});
       if (stored.frame_count < kMinOwnClipDuration * rate || ++count % kOwnClipEvery != 0) continue;
       const int around = static_cast<int>(kLeftOutAround * rate);
@@ -76,8 +82,8 @@ absl::StatusOr<Trial> PredictMoment(const Model& model, const MotionPrior& prior
   const int first = std::max(0, moment.frame - history);
   const StateSequence past = PastAt(StoredMotion(model, moment.clip, first, moment.frame + 1),
                                     moment.frame - first, history);
-  MOTIONDB_ASSIGN_OR_RETURN(
-      auto moments, FindMoments(model, past, options.transition_floor, moment.left_out, {}));
+  MOTIONDB_ASSIGN_OR_RETURN(auto moments, FindMoments(model, past, options.transition_floor,
+                                                      nullptr, moment.left_out, {}));
   Forecaster forecaster(model, past, std::move(moments), &prior);
   const Track truth(model.parts(), moment.clip);
   const int now = truth.first() + moment.frame;

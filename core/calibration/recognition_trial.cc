@@ -9,7 +9,9 @@
 #include "core/calibration/held_out.h"
 #include "core/calibration/trials.h"
 #include "core/calibration/unknown_fit.h"
+#include "core/model/clip_mask.h"
 #include "core/model/even_spread.h"
+#include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/states.h"
@@ -22,7 +24,7 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMaxRecognizedClips = 128;
+constexpr int kMaxRecognizedUnits = 128;
 constexpr int kMinWholeClips = 8;
 constexpr int kMaxWholeClips = 64;
 constexpr int kMaxWindows = 512;
@@ -32,8 +34,8 @@ constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 // Shorter beginnings of different behaviours are often alike, so they are left out for unknown
 // motion.
 constexpr double kMinUnknownBeginning = 0.4;
-// Without a label's clips, a shortlist must still have this many clips, or all that there are.
-constexpr std::size_t kMinOtherClips = 16;
+// Without a label's units, a shortlist must still have this many units, or all that there are.
+constexpr std::size_t kMinOtherUnits = 16;
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
 constexpr double kMaxWholeSeconds = 20;  // the rest of a longer clip is not used
@@ -44,13 +46,13 @@ constexpr double kMaxComparisons = 6e9;
 // An UnknownSample before the weight of the evidence is known.
 struct UnknownTrial {
   UnknownSample sample;          // without `best`
-  std::vector<double> evidence;  // of each label; -infinity if all its clips were left out
-  WindowAlignment alignment;     // without the clips
+  std::vector<double> evidence;  // of each label; -infinity if all its units were left out
+  WindowAlignment alignment;     // without the units
 };
 
 // Results of held-out observations.
 struct TrialResults {
-  std::vector<JudgedSample> samples;  // of clips whose label remains in the model
+  std::vector<JudgedSample> samples;  // of units whose label remains in the model
   std::vector<float> familiarity;
   std::vector<UnknownTrial> unknown;
 
@@ -61,62 +63,63 @@ struct TrialResults {
   }
 };
 
-// Recognizes parts of a clip with the model without the clips of LeftOutWith.
-class HeldOutClip {
+// Recognizes parts of a unit with the model without the clips of LeftOutWith.
+class HeldOutUnit {
  public:
   // `with_unknown`: also collect UnknownTrials.
-  HeldOutClip(const Model& model, const std::vector<std::string>& labels, int clip,
-              bool with_unknown)
+  HeldOutUnit(const Model& model, const LabelUnit& unit, bool with_unknown)
       : model_(model),
-        labels_(labels),
-        clip_(clip),
+        units_(*model.action_units()),
+        unit_(unit),
         with_unknown_(with_unknown),
-        left_out_(LeftOutWith(model, clip)),
-        left_out_with_label_(left_out_),
-        clips_of_label_(labels.size()) {
-    const std::string& label = model.clips()[clip].label;
-    label_ = LabelIndex(model, labels, clip);
-    for (std::size_t c = 0; c < left_out_.size(); ++c) {
-      if (left_out_[c]) continue;
-      has_clips_ = true;
-      ++clips_of_label_[LabelIndex(model, labels, static_cast<int>(c))];
-      if (model.clips()[c].label == label) {
-        left_out_with_label_[c] = true;
-      } else {
-        ++other_clips_;
+        units_of_label_(units_.labels().size()) {
+    std::vector<bool> left_out = LeftOutWith(model, unit);
+    mask_ = MaskWithout(model, left_out);
+    for (std::size_t c = 0; c < left_out.size(); ++c) {
+      if (left_out[c]) continue;
+      left_out[c] = true;  // unless it has a part with another label
+      for (const LabelUnit& kept : units_.of_clip(static_cast<int>(c))) {
+        if (kept.label >= 0) ++units_of_label_[kept.label];
+        if (kept.label >= 0 && kept.label == unit.label) continue;
+        ++other_units_;
+        try_unknown_ = try_unknown_ || (kept.label >= 0 && unit.label >= 0);
+        left_out[c] = false;
       }
     }
-    has_label_ = clips_of_label_[label_] > 0;
+    has_label_ = unit.label >= 0 && units_of_label_[unit.label] > 0;
+    mask_with_label_ = MaskWithout(model, std::move(left_out));
   }
 
   // Recognizes windows of `width` frames that begin at the frames `firsts` (ascending). `scaled`:
-  // scaled states of the clip.
+  // scaled states of the unit.
   TrialResults Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width) const {
     TrialResults results;
-    if (!has_clips_) return results;
+    if (mask_ == nullptr) return results;
     const int stride = FrameStride(model_.settings().frame_rate_hz);
     const auto observation = MetricObservation::Create(model_, scaled);
     for (const int first : firsts) {
       const std::vector<int> compared = ComparedFrames(first, width, stride, false);
-      const auto alignment = AlignWindow(model_, *observation, compared, left_out_, false, {});
+      const auto alignment =
+          AlignWindow(model_, units_, *observation, compared, mask_.get(), false, {});
       Add(*alignment, results);
       if (!with_unknown_) continue;
       AddKnown(*alignment, results);
-      if (other_clips_ == 0) continue;
+      if (!try_unknown_) continue;
       WindowAlignment others = WithoutLabel(*alignment);
       if (LacksClips(others)) {
-        others = *AlignWindow(model_, *observation, compared, left_out_with_label_, false, {});
+        others = *AlignWindow(model_, units_, *observation, compared, mask_with_label_.get(), false,
+                              {}, unit_.label);
       }
       AddUnknown(others, results);
     }
     return results;
   }
 
-  // Recognizes the kBeginnings of the clip as whole observations. Only the first kMaxWholeSeconds
-  // of the clip are used.
+  // Recognizes the kBeginnings of the unit as whole observations. Only the first kMaxWholeSeconds
+  // of the unit are used.
   TrialResults Beginnings(const StateSequence& motion) const {
     TrialResults results;
-    if (!has_clips_) return results;
+    if (mask_ == nullptr) return results;
     const int frames = std::min(
         motion.frame_count(),
         std::max(1, static_cast<int>(std::lround(kMaxWholeSeconds * motion.frame_rate_hz))));
@@ -130,22 +133,23 @@ class HeldOutClip {
       beginnings.lengths.push_back(length);
     }
     model_.scale().Apply(beginnings.newest);
-    const std::vector<WindowAlignment> alignments = AlignBeginnings(model_, beginnings, left_out_);
+    const std::vector<WindowAlignment> alignments =
+        AlignBeginnings(model_, units_, beginnings, mask_.get());
     for (const WindowAlignment& alignment : alignments) Add(alignment, results);
     if (!with_unknown_) return results;
 
     std::vector<WindowAlignment> others;
     others.reserve(alignments.size());
     for (const WindowAlignment& alignment : alignments) others.push_back(WithoutLabel(alignment));
-    if (other_clips_ > 0 && std::ranges::any_of(others, [&](const WindowAlignment& alignment) {
+    if (try_unknown_ && std::ranges::any_of(others, [&](const WindowAlignment& alignment) {
           return LacksClips(alignment);
         })) {
-      others = AlignBeginnings(model_, beginnings, left_out_with_label_);
+      others = AlignBeginnings(model_, units_, beginnings, mask_with_label_.get(), unit_.label);
     }
     for (std::size_t b = 0; b < alignments.size(); ++b) {
       if (kBeginnings[b] < kMinUnknownBeginning) continue;
       AddKnown(alignments[b], results);
-      if (other_clips_ > 0) AddUnknown(others[b], results);
+      if (try_unknown_) AddUnknown(others[b], results);
     }
     return results;
   }
@@ -155,61 +159,64 @@ class HeldOutClip {
     results.familiarity.push_back(static_cast<float>(alignment.familiarity_score));
     if (!has_label_) return;
     results.samples.push_back(
-        {LabelEvidence(model_, labels_, alignment.clips), label_, alignment.frames});
+        {LabelEvidence(units_.labels().size(), alignment.units), label(), alignment.frames});
   }
 
-  // Removes the clips of the label. The evidence of the others does not change.
+  // Index of the label. REQUIRES: the unit has one.
+  std::size_t label() const { return static_cast<std::size_t>(unit_.label); }
+
+  // Removes the units of the label. The evidence of the others does not change.
   WindowAlignment WithoutLabel(const WindowAlignment& alignment) const {
     WindowAlignment others = alignment;
-    std::erase_if(others.clips, [&](const ClipEvidence& clip) {
-      return left_out_with_label_[static_cast<std::size_t>(clip.clip)];
+    std::erase_if(others.units, [&](const UnitEvidence& other) {
+      return unit_.label >= 0 && other.unit->label == unit_.label;
     });
     return others;
   }
 
   bool LacksClips(const WindowAlignment& others) const {
-    return others.clips.size() < std::min(kMinOtherClips, other_clips_);
+    return others.units.size() < std::min(kMinOtherUnits, other_units_);
   }
 
-  // Returns the evidence of each label; -infinity without clips.
+  // Returns the evidence of each label; -infinity without units.
   std::vector<double> EvidenceOf(const WindowAlignment& alignment, bool is_unknown) const {
-    std::vector<double> evidence = LabelEvidence(model_, labels_, alignment.clips);
+    std::vector<double> evidence = LabelEvidence(units_.labels().size(), alignment.units);
     for (std::size_t l = 0; l < evidence.size(); ++l) {
-      if (clips_of_label_[l] == 0 || (is_unknown && l == label_)) {
+      if (units_of_label_[l] == 0 || (is_unknown && l == label())) {
         evidence[l] = -std::numeric_limits<double>::infinity();
       }
     }
     return evidence;
   }
 
-  static WindowAlignment WithoutClips(const WindowAlignment& alignment) {
+  static WindowAlignment WithoutUnits(const WindowAlignment& alignment) {
     return {.frames = alignment.frames, .energy = alignment.energy, .noise = alignment.noise};
   }
 
   void AddKnown(const WindowAlignment& alignment, TrialResults& results) const {
     if (!has_label_) return;
     std::vector<double> evidence = EvidenceOf(alignment, false);
-    const double own_fit = FitWithoutNoise(evidence[label_], alignment);
+    const double own_fit = FitWithoutNoise(evidence[label()], alignment);
     results.unknown.push_back(
-        {{false, clip_, label_, {}, own_fit}, std::move(evidence), WithoutClips(alignment)});
+        {{false, unit_.clip, label(), {}, own_fit}, std::move(evidence), WithoutUnits(alignment)});
   }
 
   void AddUnknown(const WindowAlignment& others, TrialResults& results) const {
     results.unknown.push_back(
-        {{true, clip_, label_, {}, 0}, EvidenceOf(others, true), WithoutClips(others)});
+        {{true, unit_.clip, label(), {}, 0}, EvidenceOf(others, true), WithoutUnits(others)});
   }
 
   const Model& model_;
-  const std::vector<std::string>& labels_;
-  const int clip_;
+  const LabelUnits& units_;
+  const LabelUnit unit_;
   const bool with_unknown_;
-  const std::vector<bool> left_out_;
-  std::vector<bool> left_out_with_label_;
-  std::vector<int> clips_of_label_;  // that remain in the model
-  std::size_t other_clips_ = 0;      // that remain and have another label
-  std::size_t label_ = 0;
-  bool has_clips_ = false;  // a clip remains in the model
-  bool has_label_ = false;  // a remaining clip has the label
+  std::shared_ptr<const ClipMask> mask_;  // null: no clip remains in the model
+  // Also without clips that have only the label; null: none remains.
+  std::shared_ptr<const ClipMask> mask_with_label_;
+  std::vector<int> units_of_label_;  // that remain in the model
+  std::size_t other_units_ = 0;      // that remain and do not have the label
+  bool has_label_ = false;           // a remaining unit has the label
+  bool try_unknown_ = false;         // a remaining unit has another label
 };
 
 // Fits the weight, the familiarity, and, if `with_unknown`, the probability of unknown motion.
@@ -258,32 +265,31 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
                                                             const BuildProgress& progress) {
   RecognitionCalibration calibration;
   if (model.metric().empty()) return calibration;
-  const std::vector<std::string> labels = Labels(model);
+  const std::vector<std::string>& labels = model.action_units()->labels();
   calibration.unknown = CanCalibrateUnknown(model, labels.size());
   const bool with_unknown = calibration.unknown == UnknownCalibration::kFitted;
-  const std::vector<int> clips = SampleClips(model, kMaxRecognizedClips);
-  const auto count = static_cast<int>(clips.size());
-  const int windows_per_clip = std::max(1, kMaxWindows / count);
+  const std::vector<LabelUnit> units = SampleUnits(model, kMaxRecognizedUnits);
+  const auto count = static_cast<int>(units.size());
+  const int windows_per_unit = std::max(1, kMaxWindows / count);
   const double rate = model.settings().frame_rate_hz;
   const int full_width = std::max(1, static_cast<int>(std::lround(kWindowSeconds * rate)));
-  const std::vector<int> whole_clips =
+  const std::vector<int> whole_units =
       SpreadEvenly(count, ClipsTriedWhole(static_cast<int>(model.clips().size()),
                                           model.frame_count(), kMaxWholeSeconds * rate));
-  std::vector<TrialResults> windows(clips.size());
-  std::vector<TrialResults> whole(clips.size());
+  std::vector<TrialResults> windows(units.size());
+  std::vector<TrialResults> whole(units.size());
   const auto run_trial = [&](int i) {
-    const HeldOutClip held_out(model, labels, clips[i], with_unknown);
-    const StateSequence motion = StoredMotion(model, clips[i]);
+    const HeldOutUnit held_out(model, units[i], with_unknown);
+    const StateSequence motion = StoredMotion(model, units[i]);
     const int frames = motion.frame_count();
     const int width = std::min(frames, full_width);
-    const ModelClip& clip = model.clips()[clips[i]];
     const auto distinct =
         static_cast<int>(std::ceil((frames - width + 1) / (kMinWindowDistance * rate)));
     windows[i] = held_out.Windows(
-        model.states().middleRows(clip.first_frame, frames),
-        SpreadEvenly(frames - width + 1, std::min(windows_per_clip, distinct)), width);
+        model.states().middleRows(units[i].first_frame, frames),
+        SpreadEvenly(frames - width + 1, std::min(windows_per_unit, distinct)), width);
 
-    if (!std::binary_search(whole_clips.begin(), whole_clips.end(), i)) return;
+    if (!std::binary_search(whole_units.begin(), whole_units.end(), i)) return;
     whole[i] = held_out.Beginnings(motion);
   };
   MOTIONDB_RETURN_IF_ERROR(

@@ -19,15 +19,15 @@ constexpr std::size_t kMinLabelsForOdds = 3;
 class KnownFits {
  public:
   explicit KnownFits(const std::vector<UnknownSample>& samples) {
-    std::map<int, double> samples_of;
+    std::map<std::pair<std::size_t, int>, double> samples_of;  // by label and clip
     for (const UnknownSample& sample : samples) {
       if (sample.is_unknown) continue;
       by_label_[sample.label][sample.clip] += sample.own_fit;
-      ++samples_of[sample.clip];
+      ++samples_of[{sample.label, sample.clip}];
     }
     for (auto& [label, clips] : by_label_) {
       double sum = 0;
-      for (auto& [clip, fit] : clips) sum += fit /= samples_of[clip];
+      for (auto& [clip, fit] : clips) sum += fit /= samples_of[{label, clip}];
       const double mean = sum / static_cast<double>(clips.size());
       mean_of_label_[label] = mean;
       mean_ += mean / static_cast<double>(by_label_.size());

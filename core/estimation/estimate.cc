@@ -51,8 +51,13 @@ struct Anchor {
 class Filler {
  public:
   Filler(const Model& model, const StateSequence& observation, const FrameMatrix& scaled, int layer,
-         const std::vector<std::int32_t>& nodes)
-      : model_(model), observation_(observation), scaled_(scaled), layer_(layer), nodes_(nodes) {}
+         const std::vector<std::int32_t>& nodes, const ClipMask* mask)
+      : model_(model),
+        observation_(observation),
+        scaled_(scaled),
+        layer_(layer),
+        nodes_(nodes),
+        mask_(mask) {}
 
   // Frames must come in ascending order.
   FilledFrame Fill(int frame) {
@@ -97,8 +102,9 @@ class Filler {
   const std::vector<Exemplar>& Exemplars(int frame) {
     auto [known, is_new] = exemplars_.try_emplace(frame);
     if (is_new) {
-      known->second = NearestFrames(model_, ExemplarPool(model_, layer_, {{nodes_[frame], 1.0}}),
-                                    scaled_.row(frame).data(), kExemplars);
+      known->second =
+          NearestFrames(model_, ExemplarPool(model_, layer_, {{nodes_[frame], 1.0}}, mask_),
+                        scaled_.row(frame).data(), kExemplars, mask_);
     }
     return known->second;
   }
@@ -224,6 +230,7 @@ class Filler {
   const FrameMatrix& scaled_;
   const int layer_;
   const std::vector<std::int32_t>& nodes_;
+  const ClipMask* const mask_;
   std::map<int, std::vector<Exemplar>> exemplars_;
   std::map<int, Trial> trials_;
 };
@@ -234,8 +241,9 @@ absl::StatusOr<std::vector<FilledFrame>> FillMissing(const Model& model,
                                                      const StateSequence& observation,
                                                      const FrameMatrix& scaled, int layer,
                                                      const std::vector<std::int32_t>& nodes,
-                                                     Fill fill, const Cancelled& cancelled) {
-  Filler filler(model, observation, scaled, layer, nodes);
+                                                     Fill fill, const ClipMask* mask,
+                                                     const Cancelled& cancelled) {
+  Filler filler(model, observation, scaled, layer, nodes, mask);
   std::vector<FilledFrame> filled;
   const int last = observation.frame_count() - 1;
   for (int t = fill == Fill::kEveryFrame ? 0 : last; t <= last; ++t) {
@@ -306,9 +314,10 @@ absl::StatusOr<Estimation> Estimate(const Model& model, const StateSequence& obs
   const int node = estimation.paths.front().nodes.back();
   const auto found = std::ranges::find(last, node, &NodeState::node);
   estimation.state = {node, found == last.end() ? 0 : found->probability};
-  MOTIONDB_ASSIGN_OR_RETURN(estimation.filled,
-                            FillMissing(model, observation, scaled, search.layer,
-                                        estimation.paths.front().nodes, options.fill, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      estimation.filled,
+      FillMissing(model, observation, scaled, search.layer, estimation.paths.front().nodes,
+                  options.fill, options.search.mask.get(), cancelled));
   return estimation;
 }
 

@@ -13,6 +13,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 // A frame with missing markers, filled in.
@@ -29,13 +30,14 @@ enum class Fill { kLastFrame, kEveryFrame };
 // Fills frames with missing markers. `observation`: not scaled; `scaled`: the same, scaled as the
 // model's; `nodes`: its node at `layer` in each frame, which selects the stored frames. Regression
 // on the markers seen (a conditional Gaussian), fitted to the 64 nearest stored frames, yields the
-// missing ones. If a marker is seen shortly before or after, the regression's error there corrects
-// the estimate. CANCELLED.
+// missing ones. `mask`: the clips to use, null: all. If a marker is seen shortly before or after,
+// the regression's error there corrects the estimate. CANCELLED.
 absl::StatusOr<std::vector<FilledFrame>> FillMissing(const Model& model,
                                                      const StateSequence& observation,
                                                      const FrameMatrix& scaled, int layer,
                                                      const std::vector<std::int32_t>& nodes,
-                                                     Fill fill, const Cancelled& cancelled);
+                                                     Fill fill, const ClipMask* mask,
+                                                     const Cancelled& cancelled);
 
 // Writes filled positions to the observation's states; their velocities stay missing.
 void ApplyFilled(const std::vector<FilledFrame>& filled, StateSequence& observation);
@@ -53,10 +55,8 @@ struct Regressed {
 Regressed Regress(const Eigen::MatrixXd& known, const Eigen::MatrixXd& wanted,
                   const Eigen::VectorXd& weights, const Eigen::VectorXd& at, double noise_variance);
 
-class Model;
-
 struct EstimateOptions {
-  NodePathOptions search;
+  NodePathOptions search;  // with the clips to use
   Fill fill = Fill::kLastFrame;
 };
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/error.h"
@@ -29,8 +30,9 @@ struct Descent {
   std::vector<double> log_density;
 };
 
-// Returns the children of a frame's candidates. A copy of a leaf keeps its density.
-Descent Children(const Model& model, int layer, const Descent& above, const float* state) {
+// Returns the allowed children of a frame's candidates. A copy of a leaf keeps its density.
+Descent Children(const Model& model, int layer, const ClipMask* mask, const Descent& above,
+                 const float* state) {
   const Tree& tree = model.tree();
   Descent below;
   below.nodes.reserve(2 * above.nodes.size());
@@ -39,6 +41,7 @@ Descent Children(const Model& model, int layer, const Descent& above, const floa
     const int first = tree.first_child(layer, above.nodes[i]);
     const int count = tree.child_count(layer, above.nodes[i]);
     for (int c = first; c < first + count; ++c) {
+      if (!IsAllowedNode(model, layer + 1, c, mask)) continue;
       below.nodes.push_back(c);
       below.log_density.push_back(
           count == 1 ? above.log_density[i]
@@ -119,6 +122,7 @@ absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& obser
                           "fewer candidates or a shorter observation",
                           candidates, model.tree().node_count(bottom), bottom, observation.rows());
   }
+  const ClipMask* const mask = options.mask.get();
   ThrottledCancellation cancellation(cancelled);
   std::vector<Descent> frames;
   for (Eigen::Index t = 0; t < observation.rows(); ++t) {
@@ -129,10 +133,10 @@ absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& obser
     for (Eigen::Index t = 0; t < observation.rows(); ++t) {
       const auto densities = 2 * std::ssize(frames[t].nodes);
       if (cancellation.cancelled(densities * observation.cols())) return QueryCancelled();
-      frames[t] = Children(model, layer, frames[t], observation.row(t).data());
+      frames[t] = Children(model, layer, mask, frames[t], observation.row(t).data());
     }
     if (options.max_candidates > 0 && layer + 1 < bottom) {
-      Prune(MakeLattice(frames), model.global_graph(layer + 1), options, cancelled, frames);
+      Prune(MakeLattice(frames), AllowedGraph(model, layer + 1, mask), options, cancelled, frames);
     }
   }
   if (cancelled && cancelled()) return QueryCancelled();
@@ -143,7 +147,7 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
                                          const NodePathOptions& options,
                                          const Cancelled& cancelled) {
   MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
-  PathSearch search;
+  PathSearch search{.mask = options.mask};
   MOTIONDB_ASSIGN_OR_RETURN(search.layer, model.ResolveLayer(options.layer));
   const Eigen::Index candidates = MaxCandidates(options, model.tree().node_count(search.layer));
   if (observation.rows() * candidates * options.path_count > kMaxSteps) {
@@ -153,7 +157,7 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
                           options.path_count, candidates, observation.rows());
   }
   MOTIONDB_ASSIGN_OR_RETURN(search.lattice, DescendTree(model, observation, options, cancelled));
-  search.paths = BestPaths(search.lattice, model.global_graph(search.layer),
+  search.paths = BestPaths(search.lattice, AllowedGraph(model, search.layer, search.mask.get()),
                            options.transition_floor, options.path_count, cancelled);
   if (cancelled && cancelled()) return QueryCancelled();
   if (!search.paths.empty()) return search;
@@ -171,8 +175,9 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
 absl::StatusOr<std::vector<NodeState>> LastNodes(const Model& model, const PathSearch& search,
                                                  double transition_floor,
                                                  const Cancelled& cancelled) {
-  const Eigen::VectorXd last = LastNodeDistribution(
-      search.lattice, model.global_graph(search.layer), transition_floor, cancelled);
+  const Eigen::VectorXd last =
+      LastNodeDistribution(search.lattice, AllowedGraph(model, search.layer, search.mask.get()),
+                           transition_floor, cancelled);
   if (cancelled && cancelled()) return QueryCancelled();
   std::vector<NodeState> nodes;
   for (Eigen::Index i = 0; i < last.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
 
@@ -74,7 +75,7 @@ class StateDistance {
 }  // namespace
 
 std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<NodeState>& now,
-                              int min_frames) {
+                              const ClipMask* mask, int min_frames) {
   std::vector<int> pool;
   double mass = 0;
   for (const NodeState& state : now) {
@@ -93,15 +94,16 @@ std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<N
       }
       return false;
     });
-    int frames = 0;
-    for (int b : pool) frames += branches[b].end - branches[b].begin;
-    if (frames >= min_frames || pool == std::vector<int>{0}) return pool;
+    std::size_t frames = 0;
+    for (int b : pool) frames += AllowedFrames(model, b, mask).size();
+    if (frames >= static_cast<std::size_t>(min_frames) || pool == std::vector<int>{0}) return pool;
     for (int& b : pool) b = std::max(branches[b].parent, 0);
   }
 }
 
 std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& branches,
-                                    const float* state, int count, FrameRange without) {
+                                    const float* state, int count, const ClipMask* mask,
+                                    FrameRange without) {
   const StateDistance distance(state, model.states().cols());
   std::vector<std::pair<double, int>> nearest;
   // At 2 * max_kept frames, drop the farther half and reject frames beyond it from then on.
@@ -115,9 +117,7 @@ std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& 
   };
   nearest.reserve(2 * max_kept);
   for (int b : branches) {
-    const Branch& branch = model.tree().branches()[b];
-    for (std::int32_t i = branch.begin; i < branch.end; ++i) {
-      const int frame = model.tree().frame_order()[i];
+    for (const std::int32_t frame : AllowedFrames(model, b, mask)) {
       if (frame >= without.first && frame < without.end) continue;
       const auto stored = model.states().row(frame);
       if (distance.IsBeyond(farthest, stored)) continue;

@@ -9,6 +9,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 // Returns the observation's states (frames x dimensions), scaled as the model's. INVALID_ARGUMENT
@@ -19,8 +20,6 @@ enum class Method {
   kBest,   // tree and graphs, then comparison with stored frames
   kPaper,  // tree and graphs only, as in the paper
 };
-
-class Model;
 
 // Stored frames [first, end).
 struct FrameRange {
@@ -36,15 +35,16 @@ struct Exemplar {
 
 // Returns branches with candidate frames: those the motion is most probably in (`now`, most
 // probable first), replaced by their ancestors until they have `min_frames` frames or all are
-// included.
+// included. Counts frames of clips that `mask` allows.
 std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<NodeState>& now,
-                              int min_frames = 512);
+                              const ClipMask* mask, int min_frames = 512);
 
-// Returns at most `count` stored frames under `branches` that are nearest to a scaled state
-// (dimensions; NaN is ignored), except those in `without`. The distance d is the mean squared
-// difference over dimensions. Weights are exp(-(d - d_min) / (2 (d_median - d_min))), normalised.
-// O(frames under the branches).
+// Returns at most `count` stored frames of allowed clips under `branches` that are nearest to a
+// scaled state (dimensions; NaN is ignored), except those in `without`. The distance d is the mean
+// squared difference over dimensions. Weights are exp(-(d - d_min) / (2 (d_median - d_min))),
+// normalised. O(allowed frames under the branches).
 std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& branches,
-                                    const float* state, int count, FrameRange without = {});
+                                    const float* state, int count, const ClipMask* mask,
+                                    FrameRange without = {});
 
 }  // namespace motiondb::core

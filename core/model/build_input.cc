@@ -32,6 +32,11 @@ absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_
     if (!states.states.allFinite() || !states.root_path.allFinite()) {
       return InvalidArgument("clip '{}': expected finite states and root path", input.clip_id);
     }
+    LabelTracks labels = input.labels;
+    labels.Resolve(states.frame_count());
+    if (const absl::Status fits = labels.Check(states.frame_count()); !fits.ok()) {
+      return InvalidArgument("clip '{}': {}", input.clip_id, std::string(fits.message()));
+    }
   }
   return absl::OkStatus();
 }
@@ -59,9 +64,10 @@ ConcatenatedInputs Concatenate(std::vector<BuildInput> inputs) {
   std::int32_t first = 0;
   for (BuildInput& input : inputs) {
     const int count = input.states.frame_count();
-    concatenated.clips.push_back({std::move(input.clip_id), std::move(input.label), first, count,
+    concatenated.clips.push_back({std::move(input.clip_id), std::move(input.labels), first, count,
                                   input.states.leg_length_m, std::move(input.subject),
                                   std::move(input.states.glitches)});
+    concatenated.clips.back().labels.Resolve(count);
     first += count;
   }
   std::int64_t freed = 0;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/model/label_tracks.h"
 #include "core/model/model.h"
 #include "core/motion/states.h"
 
@@ -12,13 +13,17 @@ namespace motiondb::core {
 
 struct BuildInput {
   std::string clip_id;
-  std::string label;
+  LabelTracks labels;
   StateSequence states;  // without NaN
   std::string subject;   // may be empty; calibration holds out all clips of a subject
+
+  // As ModelClip::label.
+  const std::string& label() const { return labels.Whole(states.frame_count()); }
 };
 
 // Returns INVALID_ARGUMENT if there is no clip, or if a clip has no frame, a number that is not
-// finite, or another marker set or frame rate. The message names the clip.
+// finite, invalid labels (LabelTracks::Check), or another marker set or frame rate. The message
+// names the clip.
 absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_set,
                          const std::vector<BuildInput>& inputs);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -12,8 +13,13 @@
 
 namespace motiondb::core {
 
+struct LabelUnit;
+
 // Returns the clip's graph on the bottom layer.
 ClipGraph CountClipGraph(const Tree& tree, const ModelClip& clip);
+// Returns the graph of a unit on a layer. O(log frames of the unit) for each of its frames, or as
+// ClipGraphAbove if it is a whole clip.
+std::shared_ptr<const ClipGraph> UnitGraph(const Model& model, int layer, const LabelUnit& unit);
 
 // Returns, for each node of the bottom layer, the node of `layer` that contains it. Ascending input
 // gives ascending output.
@@ -23,6 +29,11 @@ std::vector<std::int32_t> NodesAbove(const Tree& tree, int layer,
 // Returns a clip's graph on a layer, computed from its graph on the bottom layer.
 // O(states + transitions log transitions).
 ClipGraph ClipGraphAbove(const Tree& tree, int layer, const ClipGraph& bottom);
+
+// Returns the graphs of all layers ([layer - 1]), each the sum over clips of their graphs on the
+// bottom layer. O(edges of the clips and of the graphs, times their logarithm).
+std::vector<TransitionGraph> SumClipGraphs(const Tree& tree,
+                                           std::span<const ClipGraph* const> clips);
 
 // Returns the graph of one layer over all clips.
 TransitionGraph CountGlobalGraph(const Tree& tree, int layer, std::span<const ModelClip> clips);

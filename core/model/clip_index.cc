@@ -46,6 +46,25 @@ ClipIndex ClipIndex::Of(const ModelParts& parts) {
   return index;
 }
 
+ClipIndex ClipIndex::Restricted(const std::vector<bool>& allowed) const {
+  ClipIndex restricted;
+  std::vector<int> nodes;
+  restricted.begin_.push_back(0);
+  for (int node = 0; node < node_count(); ++node) {
+    for (const int clip : clips(node)) {
+      if (allowed[static_cast<std::size_t>(clip)]) restricted.clips_.push_back(clip);
+    }
+    const auto end = static_cast<int>(restricted.clips_.size());
+    if (end == restricted.begin_.back()) continue;
+    nodes.push_back(node);
+    restricted.begin_.push_back(end);
+    restricted.branches_.push_back(branches_[node]);
+  }
+  restricted.means_ = means_(nodes, Eigen::all);
+  restricted.squared_norms_ = squared_norms_(nodes);
+  return restricted;
+}
+
 FrameMatrix ClipIndex::MeansIn(const MotionMetric& metric, const NodeGaussians& gaussians) const {
   return Project(metric, gaussians.means()(branches_, Eigen::all));
 }

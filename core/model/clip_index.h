@@ -26,6 +26,8 @@ class ClipIndex {
   const Eigen::VectorXf& squared_norms() const { return squared_norms_; }
   // Returns the means in another metric, nodes x K. `gaussians`: node statistics of the model.
   FrameMatrix MeansIn(const MotionMetric& metric, const NodeGaussians& gaussians) const;
+  // Returns the index of the nodes that contain frames of the clips with `allowed[clip]`. O(index).
+  ClipIndex Restricted(const std::vector<bool>& allowed) const;
   // Clips with frames in a node, ascending.
   std::span<const int> clips(int node) const {
     return std::span(clips_).subspan(begin_[node], begin_[node + 1] - begin_[node]);

@@ -4,15 +4,14 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <string>
 
 #include "core/model/even_spread.h"
-#include "core/model/model.h"
+#include "core/model/label_units.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr int kMaxClips = 256;
+constexpr int kMaxUnits = 256;
 constexpr Eigen::Index kMaxFrames = 512;  // 17 s
 constexpr int kStarts = 4;
 constexpr float kLateStartCost = 0.05F;  // for each dimension and frame
@@ -21,24 +20,27 @@ constexpr float kNever = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int max_references) {
-  std::map<std::string, std::vector<int>> of_label;
-  std::vector<std::size_t> place(clips.size());  // index among the clips of its label
-  for (std::size_t c = 0; c < clips.size(); ++c) {
-    auto& same = of_label[clips[c].label];
-    place[c] = same.size();
-    same.push_back(static_cast<int>(c));
+std::vector<IndexPair> UnitPairs(const std::vector<LabelUnit>& units, int max_references) {
+  std::map<int, std::vector<int>> of_label;
+  std::vector<std::size_t> place(units.size());  // index among the units of its label
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    if (units[u].label < 0) continue;
+    auto& same = of_label[units[u].label];
+    place[u] = same.size();
+    same.push_back(static_cast<int>(u));
   }
   std::vector<int> paired;
-  for (std::size_t c = 0; c < clips.size(); ++c) {
-    if (of_label[clips[c].label].size() > 1) paired.push_back(static_cast<int>(c));
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    if (units[u].label >= 0 && of_label[units[u].label].size() > 1) {
+      paired.push_back(static_cast<int>(u));
+    }
   }
   std::vector<IndexPair> pairs;
-  for (const int i : SpreadEvenly(std::ssize(paired), kMaxClips)) {
-    const int clip = paired[i];
-    const auto& same = of_label[clips[clip].label];
+  for (const int i : SpreadEvenly(std::ssize(paired), kMaxUnits)) {
+    const int unit = paired[i];
+    const auto& same = of_label[units[unit].label];
     for (const int k : SpreadEvenly(std::ssize(same) - 1, max_references)) {
-      pairs.push_back({clip, same[(place[clip] + 1 + k) % same.size()]});
+      pairs.push_back({unit, same[(place[unit] + 1 + k) % same.size()]});
     }
   }
   return pairs;

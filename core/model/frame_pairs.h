@@ -1,4 +1,4 @@
-// Pairs of corresponding frames: clips of one label, aligned in time.
+// Pairs of corresponding frames: units of one label, aligned in time.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace motiondb::core {
 
-struct ModelClip;
+struct LabelUnit;
 
 struct IndexPair {
   int observed = 0;
@@ -16,9 +16,9 @@ struct IndexPair {
   friend bool operator==(const IndexPair&, const IndexPair&) = default;
 };
 
-// Returns pairs of clips of one label: at most 256 observed clips, evenly spread over the clips
+// Returns pairs of units of one label: at most 256 observed units, evenly spread over the units
 // whose label occurs at least twice, each with at most `max_references` references, evenly spread.
-std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int max_references = 8);
+std::vector<IndexPair> UnitPairs(const std::vector<LabelUnit>& units, int max_references = 8);
 
 // Aligns `observed` with `reference` by dynamic time warping (frames x dimensions, about 30 Hz; at
 // most the first 512 frames) with squared distances. With each observed frame the reference

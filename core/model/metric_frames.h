@@ -18,12 +18,19 @@ struct MotionMetric;
 // Returns the stride for about 30 Hz: 2 at 60 Hz, 1 below 45 Hz.
 int FrameStride(double frame_rate_hz);
 
+// Rows [first, first + count) of strided frames.
+struct RowRange {
+  int first = 0;
+  int count = 0;
+};
+
 // Every stride-th frame of each clip, beginning with its first.
 struct StridedFrames {
   std::vector<int> frame;  // row -> frame of the model
   std::vector<int> begin;  // clip c has the rows begin[c] to begin[c + 1] - 1
 
   int count(int clip) const { return begin[clip + 1] - begin[clip]; }
+  RowRange of_clip(int clip) const { return {begin[clip], count(clip)}; }
 };
 StridedFrames StrideFrames(const std::vector<ModelClip>& clips, double frame_rate_hz);
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/model/clip_graphs.h"
+#include "core/model/label_units.h"
 #include "core/motion/error.h"
 #include "core/motion/mirror.h"
 
@@ -38,6 +39,9 @@ absl::Status CheckFrames(const ModelParts& parts) {
   for (const ModelClip& clip : parts.clips) {
     if (clip.first_frame != next || clip.frame_count < 1 || clip.frame_count > frames - next) {
       return DataLoss("model: clip '{}' does not begin where the previous clip ends", clip.id);
+    }
+    if (const absl::Status labels = clip.labels.Check(clip.frame_count); !labels.ok()) {
+      return DataLoss("model: clip '{}': {}", clip.id, std::string(labels.message()));
     }
     next += clip.frame_count;
   }
@@ -111,6 +115,15 @@ absl::Status Check(const ModelParts& parts) {
   return CheckMetric(parts.metric, parts.states.cols());
 }
 
+void ResolveLabels(ModelParts& parts) {
+  for (ModelClip& clip : parts.clips) clip.labels.Resolve(clip.frame_count);
+}
+
+std::shared_ptr<const LabelUnits> UnitsOfAction(const ModelParts& parts) {
+  return std::make_shared<const LabelUnits>(parts.clips, parts.settings.frame_rate_hz,
+                                            kActionTrack);
+}
+
 }  // namespace
 
 Model::Model(ModelParts parts, const MetricFrames& known, const ParallelFor& parallel)
@@ -118,16 +131,39 @@ Model::Model(ModelParts parts, const MetricFrames& known, const ParallelFor& par
       metric_frames_(ProjectStored(parts_, known, parallel)),
       clip_index_(ClipIndex::Of(parts_)),
       rigid_tree_(FindRigidTree(parts_)),
-      other_sides_(OtherSides(parts_.marker_set.markers)) {}
+      other_sides_(OtherSides(parts_.marker_set.markers)),
+      action_units_(UnitsOfAction(parts_)) {}
 
 absl::StatusOr<Model> Model::Create(ModelParts parts, const ParallelFor& parallel) {
+  ResolveLabels(parts);
   MOTIONDB_RETURN_IF_ERROR(Check(parts));
   return Model(std::move(parts), MetricFrames(), parallel);
 }
 
 absl::StatusOr<Model> Model::Create(ModelParts parts, const Model& base) {
+  ResolveLabels(parts);
   MOTIONDB_RETURN_IF_ERROR(Check(parts));
   return Model(std::move(parts), base.metric_frames_, RunSerially);
+}
+
+absl::Status Model::set_labels(std::vector<ClipLabels> labels) {
+  if (labels.size() != parts_.clips.size()) {
+    return InvalidArgument("labels: expected those of {} clips, got {}", parts_.clips.size(),
+                           labels.size());
+  }
+  for (std::size_t c = 0; c < labels.size(); ++c) {
+    const ModelClip& clip = parts_.clips[c];
+    labels[c].labels.Resolve(clip.frame_count);
+    if (const absl::Status fits = labels[c].labels.Check(clip.frame_count); !fits.ok()) {
+      return InvalidArgument("clip '{}': {}", clip.id, std::string(fits.message()));
+    }
+  }
+  for (std::size_t c = 0; c < labels.size(); ++c) {
+    parts_.clips[c].labels = std::move(labels[c].labels);
+    parts_.clips[c].subject = std::move(labels[c].subject);
+  }
+  action_units_ = UnitsOfAction(parts_);
+  return absl::OkStatus();
 }
 
 std::shared_ptr<const ClipGraph> Model::clip_graph(int layer, int clip) const {

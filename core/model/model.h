@@ -12,6 +12,7 @@
 #include "core/model/build_settings.h"
 #include "core/model/clip_index.h"
 #include "core/model/familiarity.h"
+#include "core/model/label_tracks.h"
 #include "core/model/metric_frames.h"
 #include "core/model/motion_metric.h"
 #include "core/model/motion_prior.h"
@@ -30,7 +31,7 @@ namespace motiondb::core {
 // A clip of a model: consecutive frames.
 struct ModelClip {
   std::string id;
-  std::string label;
+  LabelTracks labels;
   std::int32_t first_frame = 0;
   std::int32_t frame_count = 0;
   double leg_length_m = 0;
@@ -38,8 +39,16 @@ struct ModelClip {
   // Frames of kept glitches, relative to first_frame; ascending and disjoint.
   std::vector<FrameSpan> glitches = {};
 
+  // Label of the span of kActionTrack that covers the clip; empty if there is none.
+  const std::string& label() const { return labels.Whole(frame_count); }
   // Returns whether the model's frames first to last contain a glitch.
   bool HasGlitch(int first, int last) const;
+};
+
+// The labels and the subject of a clip.
+struct ClipLabels {
+  LabelTracks labels;
+  std::string subject;
 };
 
 // The parts of a model: result of a build and content of the store.
@@ -66,6 +75,8 @@ struct ModelParts {
   PredictionConfidence confidence;
   double build_seconds = 0;  // set by the caller, which has the clock
 };
+
+class LabelUnits;
 
 class Model {
  public:
@@ -108,7 +119,17 @@ class Model {
   double build_seconds() const { return parts_.build_seconds; }
   // REQUIRES: the model is not yet shared.
   void set_build_seconds(double seconds) { parts_.build_seconds = seconds; }
+  // Replaces the labels and subjects of the clips, and nothing that was learned from them.
+  // INVALID_ARGUMENT, without any change, as LabelTracks::Check, or unless there is one for each
+  // clip.
+  // REQUIRES: the model is not yet shared.
+  absl::Status set_labels(std::vector<ClipLabels> labels);
   const ModelParts& parts() const { return parts_; }
+  // Returns the parts of a model that is no longer used.
+  ModelParts TakeParts() && { return std::move(parts_); }
+
+  // Units of kActionTrack; UnitsOf (core/model/label_units.h) also returns those of other tracks.
+  const std::shared_ptr<const LabelUnits>& action_units() const { return action_units_; }
 
   int frame_count() const { return static_cast<int>(parts_.states.rows()); }
   // Clips and frames of the build; the rest were added by extensions.
@@ -136,6 +157,7 @@ class Model {
   ClipIndex clip_index_;
   RigidTree rigid_tree_;
   std::vector<int> other_sides_;
+  std::shared_ptr<const LabelUnits> action_units_;
 };
 
 }  // namespace motiondb::core

@@ -10,6 +10,7 @@
 
 #include "core/model/even_spread.h"
 #include "core/model/frame_pairs.h"
+#include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
 #include "core/model/model.h"
 #include "core/tree/row_kernels.h"
@@ -112,13 +113,13 @@ class LearnedFrames {
     return scatter.sum / std::max(1.0, scatter.rows - 1);
   }
 
-  FrameMatrix ClipFrames(int clip) const {
-    std::vector<int> rows(strided_.count(clip));
-    std::iota(rows.begin(), rows.end(), strided_.begin[clip]);
+  FrameMatrix ClipFrames(int clip) const { return FramesOf(strided_.of_clip(clip)); }
+
+  FrameMatrix FramesOf(const RowRange& range) const {
+    std::vector<int> rows(range.count);
+    std::iota(rows.begin(), rows.end(), range.first);
     return Rows(rows);
   }
-
-  int ClipFrameCount(int clip) const { return strided_.count(clip); }
 
  private:
   FrameMatrix Rows(std::span<const int> rows) const {
@@ -145,47 +146,48 @@ class LearnedFrames {
   Eigen::RowVectorXf mean_;
 };
 
-// Pairs of clips to align, and the stride of the frames whose differences are used: 1, or 2 if
+// Pairs of units to align, and the stride of the frames whose differences are used: 1, or 2 if
 // there are more than kMaxDifferences.
 struct Comparisons {
-  std::vector<IndexPair> clips;
+  std::vector<IndexPair> units;
   int pair_stride = 1;
 };
 
-Comparisons ChooseComparisons(const std::vector<ModelClip>& clips, const LearnedFrames& frames) {
+Comparisons ChooseComparisons(const std::vector<LabelUnit>& units) {
   constexpr int kMinReferences = 2;
   constexpr int kMaxReferences = 8;
-  Comparisons chosen{ClipPairs(clips, kMaxReferences)};
+  Comparisons chosen{UnitPairs(units, kMaxReferences)};
   double differences = 0;
-  for (const IndexPair& pair : chosen.clips) differences += frames.ClipFrameCount(pair.observed);
+  for (const IndexPair& pair : chosen.units) differences += units[pair.observed].rows.count;
   if (differences <= kMaxDifferences) return chosen;
   chosen.pair_stride = 2;
   const double share = kMaxDifferences * chosen.pair_stride / differences;
   if (share >= 1) return chosen;
-  chosen.clips = ClipPairs(
-      clips, std::max(kMinReferences, static_cast<int>(std::lround(share * kMaxReferences))));
+  chosen.units = UnitPairs(
+      units, std::max(kMinReferences, static_cast<int>(std::lround(share * kMaxReferences))));
   return chosen;
 }
 
-// Returns W, half the mean of d d^T. d is the difference between corresponding frames of two clips
-// of one label. Clips are aligned in the directions (D x q) with the largest variance.
+// Returns W, half the mean of d d^T. d is the difference between corresponding frames of two units
+// of one label. Units are aligned in the directions (D x q) with the largest variance.
 Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const LearnedFrames& frames,
                                  const FrameMatrix& directions, const ParallelFor& parallel) {
-  const Comparisons chosen = ChooseComparisons(parts.clips, frames);
-  const std::vector<IndexPair>& pairs = chosen.clips;
+  const LabelUnits units(parts.clips, parts.settings.frame_rate_hz, kActionTrack);
+  const Comparisons chosen = ChooseComparisons(units.all());
+  const std::vector<IndexPair>& pairs = chosen.units;
   const std::size_t count = pairs.size();
   const int stride = chosen.pair_stride;
   Scatter scatter = SumParts(directions.rows(), parallel, [&](int part, Scatter& sum) {
-    int clip = -1;
+    int unit = -1;
     FrameMatrix observed;
     FrameMatrix observed_projected;
     for (std::size_t p = part * count / kParts; p < (part + 1) * count / kParts; ++p) {
-      if (clip != pairs[p].observed) {
-        clip = pairs[p].observed;
-        observed = frames.ClipFrames(clip);
+      if (unit != pairs[p].observed) {
+        unit = pairs[p].observed;
+        observed = frames.FramesOf(units.all()[unit].rows);
         observed_projected = RowProduct(observed, directions);
       }
-      const FrameMatrix reference = frames.ClipFrames(pairs[p].reference);
+      const FrameMatrix reference = frames.FramesOf(units.all()[pairs[p].reference].rows);
       const std::vector<IndexPair> aligned =
           AlignFrames(observed_projected, RowProduct(reference, directions), directions.rows());
       FrameMatrix differences((std::ssize(aligned) + stride - 1) / stride, directions.rows());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/recognition/alignment_loops.h"
 #include "core/recognition/metric_observation.h"
@@ -10,9 +11,11 @@
 
 namespace motiondb::core {
 
-MetricWindow::MetricWindow(const Model& model, int window_frames)
+MetricWindow::MetricWindow(const Model& model, const ClipMask* mask, int window_frames)
     : model_(model),
-      finder_(model.clip_index(), static_cast<int>(model.clips().size())),
+      mask_(mask),
+      index_(AllowedIndex(model, mask)),
+      finder_(index_, static_cast<int>(model.clips().size())),
       frames_(window_frames) {}
 
 void MetricWindow::Restart() {
@@ -37,11 +40,10 @@ void MetricWindow::Make(const ObservedStates& states, std::int64_t frame, Metric
 void MetricWindow::FindNear(MetricFrame& made) {
   made.has_near = true;
   made.near.clear();
-  if (ListsAll(static_cast<int>(model_.clips().size()))) return;
-  const ClipIndex& index = model_.clip_index();
-  distances_.noalias() = made.projected.transpose() * index.means().transpose();
+  if (ListsAll(AllowedCount(model_, mask_))) return;
+  distances_.noalias() = made.projected.transpose() * index_.means().transpose();
   distances_ =
-      (made.squared_norm - 2 * distances_.array() + index.squared_norms().transpose().array())
+      (made.squared_norm - 2 * distances_.array() + index_.squared_norms().transpose().array())
           .max(0.0F);
   finder_.Find(distances_, made.near);
 }
@@ -79,6 +81,7 @@ double MetricWindow::SquaredDifference(std::int64_t frame, int stored_frame) {
 
 void CachedClip::Take(const Model& model, int clip, int window_frames) {
   clip_ = clip;
+  first_row_ = model.metric_frames().rows.begin[clip];
   version_.assign(window_frames, -1);
   nearest_.resize(window_frames);
   const Eigen::Index count = model.metric_frames().rows.count(clip);
@@ -91,7 +94,7 @@ const NearestFrame& CachedClip::Compare(const Model& model, std::size_t ring,
   if (version_[ring] == frame.version) return nearest_[ring];
   version_[ring] = frame.version;
   const MetricFrames& stored = model.metric_frames();
-  const Eigen::Index first = stored.rows.begin[clip_];
+  const Eigen::Index first = first_row_;
   const Eigen::Index count = stored.rows.count(clip_);
   SquaredDistancesOfOne(stored.projected.row(first).data(), stored.squared_norms.data() + first,
                         static_cast<int>(count), static_cast<int>(frame.projected.size()),
@@ -104,20 +107,22 @@ const NearestFrame& CachedClip::Compare(const Model& model, std::size_t ring,
   return nearest_[ring];
 }
 
-bool CachedClip::LogEvidence(std::span<const std::size_t> rings, PathSum& paths,
+bool CachedClip::LogEvidence(RowRange rows, std::span<const std::size_t> rings, PathSum& paths,
                              double& log_evidence) const {
-  paths.Begin(roots_.rows(), false);
+  paths.Begin(rows.count, false);
   for (const std::size_t ring : rings) {
-    paths.AddRoots(roots_.col(static_cast<Eigen::Index>(ring)), nearest_[ring].squared_distance);
+    paths.AddRoots(
+        roots_.col(static_cast<Eigen::Index>(ring)).segment(rows.first - first_row_, rows.count),
+        nearest_[ring].squared_distance);
   }
   log_evidence = paths.LogEvidence();
   return paths.IsExact();
 }
 
-double CachedClip::LogEvidenceBound(std::span<const std::size_t> rings) const {
+double CachedClip::LogEvidenceBound(int count, std::span<const std::size_t> rings) const {
   double sum = 0;
   for (const std::size_t ring : rings) sum += nearest_[ring].squared_distance;
-  return PathSum::LogEvidenceBound(roots_.rows(), sum);
+  return PathSum::LogEvidenceBound(count, sum);
 }
 
 }  // namespace motiondb::core

@@ -13,6 +13,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 struct MetricFrame {
@@ -29,8 +30,9 @@ struct MetricFrame {
 
 class MetricWindow {
  public:
-  // The model must have a metric and outlive this object. `window_frames`: maximum length.
-  MetricWindow(const Model& model, int window_frames);
+  // The model must have a metric. `mask`: the clips to use; null: all. Both must outlive this
+  // object. `window_frames`: maximum length.
+  MetricWindow(const Model& model, const ClipMask* mask, int window_frames);
 
   // Returns a frame of the window that ends with the newest of `states`; without `near`, unless it
   // was found before.
@@ -52,6 +54,8 @@ class MetricWindow {
   void FindNear(MetricFrame& made);
 
   const Model& model_;
+  const ClipMask* const mask_;
+  const ClipIndex& index_;  // of the allowed clips
   NearClipFinder finder_;
   std::vector<MetricFrame> frames_;  // ring: index is the frame number % size
   Eigen::RowVectorXf distances_;
@@ -73,16 +77,18 @@ class CachedClip {
   // before. Returns the clip's nearest frame.
   const NearestFrame& Compare(const Model& model, std::size_t ring, const MetricFrame& frame);
 
-  // As AlignToClip for the frames at `rings`, in order, all of them compared. Returns false if the
-  // result is inexact and AlignToClip is needed. `paths` is scratch.
-  bool LogEvidence(std::span<const std::size_t> rings, PathSum& paths, double& log_evidence) const;
-  // Returns an upper bound of LogEvidence.
-  double LogEvidenceBound(std::span<const std::size_t> rings) const;
+  // As AlignToClip of `rows` of the clip for the frames at `rings`, in order, all of them compared.
+  // Returns false if the result is inexact and AlignToClip is needed. `paths` is scratch.
+  bool LogEvidence(RowRange rows, std::span<const std::size_t> rings, PathSum& paths,
+                   double& log_evidence) const;
+  // Returns an upper bound of LogEvidence of any `count` rows.
+  double LogEvidenceBound(int count, std::span<const std::size_t> rings) const;
 
   std::int64_t last_used = 0;  // used by the owner
 
  private:
   int clip_ = -1;
+  int first_row_ = 0;
   std::vector<std::int64_t> version_;  // of the frame at each index of the ring
   std::vector<NearestFrame> nearest_;
   Eigen::ArrayXXf roots_;  // clip's frames x ring: PathSum::Roots

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "core/model/clip_mask.h"
 #include "core/model/model.h"
 
 namespace motiondb::core {
@@ -19,8 +20,14 @@ bool IsAllMissing(const float* state, Eigen::Index dimensions) {
 
 }  // namespace
 
-NodeFilter::NodeFilter(const Model& model, int layer, double transition_floor, int max_candidates)
-    : model_(model), layer_(layer), floor_(transition_floor), max_candidates_(max_candidates) {}
+NodeFilter::NodeFilter(const Model& model, int layer, double transition_floor, const ClipMask* mask,
+                       int max_candidates)
+    : model_(model),
+      layer_(layer),
+      floor_(transition_floor),
+      mask_(mask),
+      graph_(AllowedGraph(model, layer, mask)),
+      max_candidates_(max_candidates) {}
 
 void NodeFilter::Advance(const float* state) {
   Step(state, next_);
@@ -69,6 +76,7 @@ void NodeFilter::Descend(const float* state) {
       const int first = tree.first_child(layer, above_.nodes[i]);
       const int count = tree.child_count(layer, above_.nodes[i]);
       for (int c = first; c < first + count; ++c) {
+        if (!IsAllowedNode(model_, layer + 1, c, mask_)) continue;
         candidates_.nodes.push_back(c);
         // A copy of a leaf keeps its density.
         candidates_.log_density.push_back(
@@ -80,14 +88,13 @@ void NodeFilter::Descend(const float* state) {
 }
 
 void NodeFilter::Follow() {
-  const TransitionGraph& graph = model_.global_graph(layer_);
   leads_.clear();
   for (std::size_t i = 0; i < now_.nodes.size(); ++i) {
     const int from = now_.nodes[i];
     const double probability = now_.probability[i];
     leads_.emplace_back(floor_ * probability, from);
-    const double share = probability / static_cast<double>(graph.row_sum(from));
-    for (const Edge& edge : graph.row(from)) leads_.emplace_back(share * edge.count, edge.to);
+    const double share = probability / static_cast<double>(graph_.row_sum(from));
+    for (const Edge& edge : graph_.row(from)) leads_.emplace_back(share * edge.count, edge.to);
   }
   // Merge entries of one node, keep the most probable, sort by node.
   const auto by_node = [](const auto& a, const auto& b) { return a.second < b.second; };
@@ -112,7 +119,6 @@ void NodeFilter::Follow() {
 }
 
 void NodeFilter::Arrive() {
-  const TransitionGraph& graph = model_.global_graph(layer_);
   const auto& to = candidates_.nodes;
   arriving_.assign(to.size(), 0.0);
   double sum = 0;
@@ -120,8 +126,8 @@ void NodeFilter::Arrive() {
     const double mass = now_.probability[i];
     if (mass <= 0) continue;
     sum += mass;
-    const std::span<const Edge> row = graph.row(now_.nodes[i]);
-    const double share = mass / static_cast<double>(graph.row_sum(now_.nodes[i]));
+    const std::span<const Edge> row = graph_.row(now_.nodes[i]);
+    const double share = mass / static_cast<double>(graph_.row_sum(now_.nodes[i]));
     auto edge = row.begin();
     for (std::size_t j = 0; j < to.size() && edge != row.end(); ++j) {
       edge = std::lower_bound(edge, row.end(), to[j],

@@ -6,10 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/graph/transition_graph.h"
 #include "core/inference/lattice.h"
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 // alpha_t(j) = e_t(j) sum_i alpha_{t-1}(i) P(i -> j), normalised to sum 1. The candidates j are
@@ -19,8 +21,10 @@ class Model;
 // stream. If no transition is possible, the filter restarts.
 class NodeFilter {
  public:
-  // The model must outlive this object. `layer` is one of its layers; 0 candidates: no limit.
-  NodeFilter(const Model& model, int layer, double transition_floor, int max_candidates = 16);
+  // `layer` is one of the model's layers; `mask`: the clips to use, null: all; 0 candidates: no
+  // limit. The model and the mask must outlive this object.
+  NodeFilter(const Model& model, int layer, double transition_floor, const ClipMask* mask = nullptr,
+             int max_candidates = 16);
 
   // Adds the next frame: its scaled state (dimensions), NaN: missing. Does not allocate once the
   // vectors have grown.
@@ -58,6 +62,8 @@ class NodeFilter {
   const Model& model_;
   const int layer_;
   const double floor_;
+  const ClipMask* const mask_;
+  const TransitionGraph& graph_;
   const int max_candidates_;
   Distribution now_;
   Distribution next_;

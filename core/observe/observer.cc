@@ -64,7 +64,7 @@ Observer::Observer(const Model& model, MarkerSet set, MarkerStream stream, doubl
       has_leg_length_(leg_length_m.has_value()),
       is_measuring_(!has_leg_length_) {
   if (leg_length_m) states_.set_leg_length_m(*leg_length_m);
-  UseModel(model, layer);
+  UseModel(model, std::move(options_.mask), layer);
 }
 
 absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
@@ -87,15 +87,16 @@ absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
                                                 leg_length_m, options, layer));
 }
 
-void Observer::UseModel(const Model& model, int layer) {
-  model_ = &model;
-  filter_ = std::make_unique<NodeFilter>(model, layer, options_.transition_floor);
+void Observer::UseModel(const Model& model, std::shared_ptr<const ClipMask> mask, int layer) {
+  filter_ = std::make_unique<NodeFilter>(model, layer, options_.transition_floor, mask.get());
   recognizer_ = std::make_unique<WindowRecognizer>(
       model, InFrames(options_.window_seconds, model.settings().frame_rate_hz),
-      options_.transition_floor);
+      options_.transition_floor, mask, options_.track);
+  model_ = &model;
+  mask_ = std::move(mask);
 }
 
-absl::Status Observer::Replace(const Model& model) {
+absl::Status Observer::Replace(const Model& model, std::shared_ptr<const ClipMask> mask) {
   if (model.marker_set().markers != model_->marker_set().markers ||
       model.settings().frame_rate_hz != model_->settings().frame_rate_hz) {
     return InvalidArgument("new model: got {} Hz and marker set '{}', expected {} Hz and '{}'",
@@ -103,7 +104,7 @@ absl::Status Observer::Replace(const Model& model) {
                            model_->settings().frame_rate_hz, model_->marker_set().name);
   }
   const auto layer = model.ResolveLayer(options_.layer);
-  UseModel(model, layer.ok() ? *layer : model.layer_count());
+  UseModel(model, std::move(mask), layer.ok() ? *layer : model.layer_count());
   ReprocessKept();
   return absl::OkStatus();
 }
@@ -234,6 +235,7 @@ absl::StatusOr<std::optional<Observed>> Observer::Answer(const Cancelled& cancel
   observed.labels = std::move(recognized.labels);
   observed.unknown_probability = recognized.unknown_probability;
   observed.familiarity = recognized.familiarity;
+  observed.other_tracks = std::move(recognized.other_tracks);
   if (!options_.horizon_seconds.empty()) {
     MOTIONDB_RETURN_IF_ERROR(PredictInto(cancelled, observed));
   }
@@ -246,6 +248,7 @@ absl::Status Observer::PredictInto(const Cancelled& cancelled, Observed& observe
   options.horizon_seconds = options_.horizon_seconds;
   options.transition_floor = options_.transition_floor;
   options.layer = filter_->layer();
+  options.mask = mask_;
   const int history = std::min(
       states_.kept(), InFrames(options_.history_seconds, model_->settings().frame_rate_hz));
   MOTIONDB_ASSIGN_OR_RETURN(observed.horizons,

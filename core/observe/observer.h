@@ -26,6 +26,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 struct ObserverOptions {
@@ -34,6 +35,8 @@ struct ObserverOptions {
   std::vector<double> horizon_seconds;  // empty: no prediction
   int layer = 0;                        // of the node estimate; 0: the bottom layer
   double transition_floor = 1e-6;
+  std::shared_ptr<const ClipMask> mask = nullptr;  // clips to use; null: all. See Replace.
+  std::string track = {};                          // of the labels; empty: kActionTrack
 };
 
 // INVALID_ARGUMENT, naming the field, if an option is out of range for models of these settings.
@@ -47,6 +50,7 @@ struct Observed {
   std::optional<double> unknown_probability;  // as RecognizedWindow::unknown_probability
   double familiarity = 0;                     // as RecognizedWindow::familiarity
   std::vector<PredictedFrame> horizons;       // in the order of the request
+  std::vector<TrackAnswer> other_tracks;      // as RecognizedWindow::other_tracks
 };
 
 class Observer {
@@ -75,10 +79,11 @@ class Observer {
   absl::StatusOr<std::optional<Observed>> Answer(const Cancelled& cancelled = {});
 
   // Switches to another model of the same database. The kept frames (window, at least one second)
-  // are processed again with it, as if they were the first. If the model lacks the requested layer,
+  // are processed again with it, as if they were the first. `mask`: clips of the new model to use;
+  // null: all. If the model lacks the requested layer,
   // its bottom layer is used, see Observed::layer. INVALID_ARGUMENT, without any change, for
   // another marker set or frame rate.
-  absl::Status Replace(const Model& model);
+  absl::Status Replace(const Model& model, std::shared_ptr<const ClipMask> mask = nullptr);
 
   std::int64_t late_frames() const { return late_frames_; }
   // Number of skipped frame numbers.
@@ -97,7 +102,7 @@ class Observer {
   void PassGap(std::int64_t number);
   void RestartStream();
   void Forget();
-  void UseModel(const Model& model, int layer);
+  void UseModel(const Model& model, std::shared_ptr<const ClipMask> mask, int layer);
   // Processes the frames that the stream has ready.
   void ProcessReady();
   void Process(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m);
@@ -108,7 +113,8 @@ class Observer {
   absl::Status PredictInto(const Cancelled& cancelled, Observed& observed) const;
 
   const Model* model_;
-  const ObserverOptions options_;
+  std::shared_ptr<const ClipMask> mask_;
+  ObserverOptions options_;
   const double frame_rate_hz_;  // of the incoming frames
   const MarkerSet set_;
   MarkerStream stream_;

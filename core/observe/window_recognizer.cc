@@ -5,7 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/model/familiarity.h"
+#include "core/model/clip_mask.h"
+#include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
 #include "core/motion/error.h"
 #include "core/recognition/clip_alignment.h"
@@ -23,16 +24,16 @@ constexpr double kLogZero = -std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-WindowRecognizer::WindowRecognizer(const Model& model, int window_frames, double transition_floor)
+WindowRecognizer::WindowRecognizer(const Model& model, int window_frames, double transition_floor,
+                                   std::shared_ptr<const ClipMask> mask, std::string track)
     : model_(model),
       window_frames_(window_frames),
       transition_floor_(transition_floor),
-      labels_(Labels(model)),
+      mask_(std::move(mask)),
+      track_(std::move(track)),
+      units_(UnitsOf(model, track_, mask_.get())),
       ranking_(static_cast<int>(model.clips().size())) {
-  for (int c = 0; c < static_cast<int>(model.clips().size()); ++c) {
-    label_of_clip_.push_back(static_cast<int>(LabelIndex(model, labels_, c)));
-  }
-  if (!model.metric().empty()) window_.emplace(model, window_frames);
+  if (!model.metric().empty()) window_.emplace(model, mask_.get(), window_frames);
   clips_.reserve(kKeptClips);
 }
 
@@ -50,10 +51,13 @@ absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Whole(const ObservedS
   RecognizeOptions options;
   options.window_seconds = Width(states) / model_.settings().frame_rate_hz;
   options.transition_floor = transition_floor_;
+  options.mask = mask_;
+  options.track = track_;
   MOTIONDB_ASSIGN_OR_RETURN(
       auto windows, core::Recognize(model_, states.Last(Width(states)), options, cancelled));
   RecognizedWindow& window = windows.front();
-  return Answer{std::move(window.labels), window.unknown_probability, window.familiarity};
+  return Answer{std::move(window.labels), window.unknown_probability, window.familiarity,
+                std::move(window.other_tracks)};
 }
 
 bool WindowRecognizer::ShowsAll(const ObservedStates& states) const {
@@ -73,10 +77,9 @@ double WindowRecognizer::FamiliarityByGraph(const ObservedStates& states) const 
   FrameMatrix scaled = states.Last(Width(states)).states;
   model_.scale().Apply(scaled);
   const int layer = model_.layer_count();
-  WindowEmission emission(model_, layer, scaled, static_cast<int>(scaled.rows()));
+  WindowEmission emission(model_, layer, scaled, static_cast<int>(scaled.rows()), mask_.get());
   emission.MoveTo(0);
-  return model_.familiarity().Rank(
-      layer, core::FamiliarityScore(model_.global_graph(layer), emission.log_density()));
+  return emission.Familiarity();
 }
 
 void WindowRecognizer::ChooseFrames(const ObservedStates& states) {
@@ -110,7 +113,7 @@ absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
   for (const int i : ShortlistFrames(static_cast<int>(frames_.size()))) {
     ranking_.Add(window_->At(states, frames_[i]).near);
   }
-  shortlist_ = ranking_.TakeShortlist({});
+  shortlist_ = ranking_.TakeShortlist(mask_.get());
   nearest_.assign(frames_.size(), {std::numeric_limits<float>::infinity(), 0});
   listed_.clear();
   // Check once, not for every clip: a check takes longer than a clip.
@@ -126,37 +129,41 @@ absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
   return absl::OkStatus();
 }
 
-double WindowRecognizer::LogEvidence(const CachedClip& clip) {
+double WindowRecognizer::LogEvidence(const CachedClip& clip, RowRange rows) {
   double log_evidence = 0;
-  if (clip.LogEvidence(rings_, paths_, log_evidence)) return log_evidence;
+  if (clip.LogEvidence(rows, rings_, paths_, log_evidence)) return log_evidence;
   FrameMatrix observed(frames_.size(), model_.metric().projection.cols());
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     observed.row(static_cast<Eigen::Index>(i)) = window_->Kept(frames_[i]).projected.transpose();
   }
-  return AlignToClip(model_.metric_frames(), clip.clip(), observed, false).log_evidence;
+  return AlignToClip(model_.metric_frames(), rows, observed, false).log_evidence;
 }
 
-std::vector<ClipEvidence> WindowRecognizer::DecisiveClips() {
+std::vector<UnitEvidence> WindowRecognizer::DecisiveUnits() {
   struct Bounded {
     double upper_bound;
-    std::size_t place;  // index in the shortlist
+    const CachedClip* clip;
+    const LabelUnit* unit;
   };
   std::vector<Bounded> order;
-  std::vector<double> best(labels_.size(), kLogZero);
-  std::vector<bool> is_listed(labels_.size());
-  for (std::size_t place = 0; place < listed_.size(); ++place) {
-    order.push_back({listed_[place]->LogEvidenceBound(rings_), place});
-    is_listed[label_of_clip_[shortlist_[place]]] = true;
+  std::vector<double> best(units_->labels().size(), kLogZero);
+  std::vector<bool> is_listed(best.size());
+  for (const CachedClip* const clip : listed_) {
+    for (const LabelUnit& unit : units_->of_clip(clip->clip())) {
+      order.push_back({clip->LogEvidenceBound(unit.rows.count, rings_), clip, &unit});
+      if (unit.label >= 0) is_listed[unit.label] = true;
+    }
   }
   std::ranges::sort(order, std::ranges::greater(), &Bounded::upper_bound);
-  // A label without a listed clip gets the evidence of the poorest clip, so all clips count.
-  const bool all_listed = std::ranges::find(is_listed, false) == is_listed.end();
-  std::vector<ClipEvidence> decisive;
-  for (const auto& [upper_bound, place] : order) {
-    double& of_label = best[label_of_clip_[shortlist_[place]]];
-    if (all_listed && upper_bound <= of_label) continue;
-    decisive.push_back({shortlist_[place], LogEvidence(*listed_[place])});
-    of_label = std::max(of_label, decisive.back().log_evidence);
+  // A label without a listed unit gets the evidence of the poorest unit, so all units count.
+  const bool all_count =
+      !units_->other_tracks().empty() || std::ranges::find(is_listed, false) != is_listed.end();
+  std::vector<UnitEvidence> decisive;
+  for (const auto& [upper_bound, clip, unit] : order) {
+    if (!all_count && (unit->label < 0 || upper_bound <= best[unit->label])) continue;
+    decisive.push_back({unit, LogEvidence(*clip, unit->rows)});
+    if (unit->label < 0) continue;
+    best[unit->label] = std::max(best[unit->label], decisive.back().log_evidence);
   }
   return decisive;
 }
@@ -193,12 +200,15 @@ absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Recognize(const Obser
   ChooseFrames(states);
   MOTIONDB_RETURN_IF_ERROR(CompareClips(states, cancelled));
   const AnswerCalibration& calibration = model_.recognition().window;
-  const WindowAlignment alignment{.clips = DecisiveClips(),
+  const WindowAlignment alignment{.units = DecisiveUnits(),
                                   .frames = static_cast<int>(frames_.size()),
                                   .energy = Energy(),
                                   .noise = Noise(states)};
-  LabelAnswer labels = LabelsOrUnknown(model_, labels_, alignment, calibration);
-  Answer answer{std::move(labels.labels), labels.unknown_probability, 0};
+  LabelAnswer labels = LabelsOrUnknown(units_->labels(), alignment, calibration);
+  Answer answer{std::move(labels.labels), labels.unknown_probability, 0, {}};
+  answer.other_tracks =
+      OtherTracks(model_, *units_, alignment.units, calibration.weight.At(alignment.frames),
+                  1 - labels.unknown_probability.value_or(0));
   answer.familiarity = calibration.familiarity.empty()
                            ? FamiliarityByGraph(states)
                            : calibration.FamiliarityRank(FamiliarityScore());

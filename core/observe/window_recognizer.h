@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,23 +17,28 @@
 
 namespace motiondb::core {
 
+class ClipMask;
+class LabelUnits;
 class Model;
 
 // A frame is projected into the metric and compared with index nodes and shortlisted clips once,
 // when an answer first needs it, and again when it is finished. An answer only sums over its
-// frames: the ranking of clips, and the sum over paths of each clip that can be the best of its
+// frames: the ranking of clips, and the sum over paths of each unit that can be the best of its
 // label. Computed without this cache: windows in which a marker is always missing, models without a
 // metric (paper's method), and familiarity of models that are not calibrated.
 class WindowRecognizer {
  public:
-  // The model must outlive this object.
-  WindowRecognizer(const Model& model, int window_frames, double transition_floor);
+  // The model must outlive this object. `mask`: the clips to use; null: all. `track`: of the
+  // labels; empty: kActionTrack.
+  WindowRecognizer(const Model& model, int window_frames, double transition_floor,
+                   std::shared_ptr<const ClipMask> mask = nullptr, std::string track = {});
 
   // Equals the result of Recognize for the window, up to rounding.
   struct Answer {
     std::vector<LabelScore> labels;
     std::optional<double> unknown_probability;
     double familiarity = 0;
+    std::vector<TrackAnswer> other_tracks;
   };
   // `states`: at least one frame. CANCELLED.
   absl::StatusOr<Answer> Recognize(const ObservedStates& states, const Cancelled& cancelled);
@@ -51,9 +57,10 @@ class WindowRecognizer {
   // Compares the shortlisted clips with each frame.
   absl::Status CompareClips(const ObservedStates& states, const Cancelled& cancelled);
   CachedClip& Keep(int clip);
-  // Returns the clips that determine each label's evidence, as LabelEvidence uses them.
-  std::vector<ClipEvidence> DecisiveClips();
-  double LogEvidence(const CachedClip& clip);
+  // Returns the units that determine each label's evidence, as LabelEvidence uses them; all units
+  // if there are other tracks.
+  std::vector<UnitEvidence> DecisiveUnits();
+  double LogEvidence(const CachedClip& clip, RowRange rows);
   double Energy() const;
   double Noise(const ObservedStates& states);
   double FamiliarityScore();
@@ -63,8 +70,9 @@ class WindowRecognizer {
   const Model& model_;
   const int window_frames_;
   const double transition_floor_;
-  std::vector<std::string> labels_;
-  std::vector<int> label_of_clip_;
+  const std::shared_ptr<const ClipMask> mask_;
+  const std::string track_;
+  const std::shared_ptr<const LabelUnits> units_;
   std::optional<MetricWindow> window_;  // absent if the model has no metric
   ClipRanking ranking_;
   std::vector<CachedClip> clips_;  // larger than a shortlist, because clips recur

@@ -1,5 +1,7 @@
 #include "core/planning/extrapolation.h"
 
+#include <utility>
+
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/states.h"
@@ -7,7 +9,8 @@
 
 namespace motiondb::core {
 
-absl::Status MeasureExtrapolation(const Model& model, const MarkerSet& set, double leg_length_m,
+absl::Status MeasureExtrapolation(const Model& model, const MarkerSet& set,
+                                  std::shared_ptr<const ClipMask> mask, double leg_length_m,
                                   const Cancelled& cancelled, PlannedMotion& motion) {
   if (!model.recognition().window.unknown || motion.markers.positions_m.rows() < 2) {
     return absl::OkStatus();
@@ -16,7 +19,9 @@ absl::Status MeasureExtrapolation(const Model& model, const MarkerSet& set, doub
                             Resample(motion.markers, model.settings().frame_rate_hz));
   MOTIONDB_ASSIGN_OR_RETURN(const StateSequence states,
                             ComputeStates(set, resampled, leg_length_m));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto windows, Recognize(model, states, {}, cancelled));
+  RecognizeOptions options;
+  options.mask = std::move(mask);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto windows, Recognize(model, states, options, cancelled));
   for (const RecognizedWindow& window : windows) {
     if (!window.unknown_probability) continue;
     if (motion.quality.unknown &&

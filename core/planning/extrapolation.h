@@ -2,6 +2,8 @@
 // body change stored frames.
 #pragma once
 
+#include <memory>
+
 #include "absl/status/status.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/marker_set.h"
@@ -12,8 +14,9 @@ namespace motiondb::core {
 class Model;
 
 // Sets PlanQuality::unknown of a motion whose markers are complete. Recognizes windows of 0.4 s
-// every 0.1 s. CANCELLED.
-absl::Status MeasureExtrapolation(const Model& model, const MarkerSet& set, double leg_length_m,
+// every 0.1 s among the clips that `mask` allows (null: all). CANCELLED.
+absl::Status MeasureExtrapolation(const Model& model, const MarkerSet& set,
+                                  std::shared_ptr<const ClipMask> mask, double leg_length_m,
                                   const Cancelled& cancelled, PlannedMotion& motion);
 
 }  // namespace motiondb::core

@@ -20,6 +20,7 @@
 #include "core/planning/contacts.h"
 #include "core/planning/floor.h"
 #include "core/planning/motion_quality.h"
+#include "core/planning/playable.h"
 #include "core/planning/robot_forces.h"
 #include "core/planning/time_stretch.h"
 
@@ -50,7 +51,7 @@ struct PlanProblem {
   double heading_tolerance_rad = 0.1;
   double max_duration_seconds = 30;  // slowed for joint limits, the motion is cut there
   int coarse_layer = 0;              // 0: the default, about four fifths down the tree
-  std::vector<std::string> labels;   // of the clips to use; empty: all
+  Playable playable;                 // the stored motion to use
   Obstacles obstacles;
   PlanMethod method = PlanMethod::kSegmentSearch;
   std::uint32_t seed = 0;

@@ -34,7 +34,7 @@ class Planner {
         layer_(layer),
         origins_(std::move(origins)),
         body_(std::move(body)),
-        floor_(model, body_.leg_length_m()),
+        floor_(model, body_.leg_length_m(), problem.playable.mask.get()),
         aim_(Aim(problem)) {}
 
   absl::StatusOr<PlanAnswer> Plan() {
@@ -128,11 +128,12 @@ class Planner {
     }
     FoundPaths found;
     MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
-        SegmentGraph(model_, floor_, layer_, problem_.labels, Similarity::kSimilar), field, found));
+        SegmentGraph(model_, floor_, layer_, problem_.playable, Similarity::kSimilar), field,
+        found));
     if (!found.reached && !time_up_) {
       // Nodes of a layer half way up contain more frames that are roughly similar.
       MOTIONDB_RETURN_IF_ERROR(
-          SearchFromOrigins(SegmentGraph(model_, floor_, (layer_ + 1) / 2, problem_.labels,
+          SearchFromOrigins(SegmentGraph(model_, floor_, (layer_ + 1) / 2, problem_.playable,
                                          Similarity::kRoughlySimilar),
                             field, found));
     }
@@ -206,8 +207,9 @@ class Planner {
       motion.forces =
           MeasureForces(body_, *problem_.dynamics, *motion.joints, motion.markers, motion.contacts);
     }
-    MOTIONDB_RETURN_IF_ERROR(MeasureExtrapolation(model_, scheme_.set, body_.leg_length_m(),
-                                                  control_.cancelled, motion));
+    MOTIONDB_RETURN_IF_ERROR(MeasureExtrapolation(model_, scheme_.set, problem_.playable.mask,
+                                                  body_.leg_length_m(), control_.cancelled,
+                                                  motion));
     answer_.motions.push_back(std::move(motion));
     return absl::OkStatus();
   }
@@ -236,8 +238,9 @@ class Planner {
     MOTIONDB_ASSIGN_OR_RETURN(StateSequence states,
                               ComputeStates(scheme_.set, markers, body_.leg_length_m()));
     model_.scale().Apply(states.states);
-    MOTIONDB_ASSIGN_OR_RETURN(PathSearch search,
-                              FindNodePaths(model_, states.states, {}, control_.cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(
+        PathSearch search,
+        FindNodePaths(model_, states.states, {.mask = problem_.playable.mask}, control_.cancelled));
     return std::move(search.paths.front().nodes);
   }
 
@@ -245,7 +248,7 @@ class Planner {
     const SearchSettings settings = Settings();
     MOTIONDB_ASSIGN_OR_RETURN(
         SampledPaths sampled,
-        SampleWalks(model_, layer_, origins_.front().frame, problem_.labels, body_.leg_length_m(),
+        SampleWalks(model_, layer_, origins_.front().frame, problem_.playable, body_.leg_length_m(),
                     problem_.obstacles, settings, control_));
     answer_.effort = sampled.effort;
     time_up_ = sampled.time_up;
@@ -330,7 +333,7 @@ absl::StatusOr<PlanAnswer> PlanMotion(const Model& model, const MarkerScheme& sc
     MOTIONDB_ASSIGN_OR_RETURN(layer, model.ResolveLayer(problem.coarse_layer));
   }
   MOTIONDB_ASSIGN_OR_RETURN(std::vector<PlanOrigin> origins,
-                            FindOrigins(model, problem.start, problem.labels));
+                            FindOrigins(model, problem.start, problem.playable));
   if (problem.max_joint_acceleration && !problem.skeleton) {
     return FieldViolation("max_joint_acceleration",
                           "expected a skeleton or a robot as the body, got markers only");

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 #include <string>
 
+#include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/plan.h"
@@ -48,11 +48,12 @@ absl::Status CheckGoal(const FloorPose& goal) {
                         goal.heading, goal.heading * std::numbers::pi / 180);
 }
 
-absl::Status CheckLabels(const Model& model, const std::vector<std::string>& labels) {
-  std::set<std::string> known;
-  for (const ModelClip& clip : model.clips()) known.insert(clip.label);
+absl::Status CheckLabels(const Model& model, const Playable& playable) {
+  const std::vector<std::string>& labels = playable.labels;
+  const auto units = UnitsOf(model, playable.track);
+  const std::vector<std::string>& known = units->labels();
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (known.contains(labels[i])) continue;
+    if (std::ranges::binary_search(known, labels[i])) continue;
     const bool few = known.size() <= kShownLabels;
     return FieldViolation(
         fmt::format("labels[{}]", i), "unknown label '{}'; the model has {}", labels[i],
@@ -145,7 +146,7 @@ absl::Status CheckProblem(const Model& model, const PlanProblem& problem) {
       !(*problem.leg_length_m > 0 && std::isfinite(*problem.leg_length_m))) {
     return FieldViolation("leg_length_m", "expected above 0, got {}", *problem.leg_length_m);
   }
-  MOTIONDB_RETURN_IF_ERROR(CheckLabels(model, problem.labels));
+  MOTIONDB_RETURN_IF_ERROR(CheckLabels(model, problem.playable));
   return CheckObstacles(problem.obstacles);
 }
 

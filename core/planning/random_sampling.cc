@@ -34,19 +34,6 @@ std::vector<FloorPose> StepsOf(const Model& model, int layer, double leg_length_
   return steps;
 }
 
-TransitionGraph GraphOf(const Model& model, int layer, const std::vector<std::string>& labels) {
-  if (labels.empty()) return model.global_graph(layer);
-  std::vector<std::vector<std::int32_t>> sequences;
-  for (const ModelClip& clip : model.clips()) {
-    if (std::find(labels.begin(), labels.end(), clip.label) == labels.end()) continue;
-    std::vector<std::int32_t>& nodes = sequences.emplace_back();
-    for (int f = clip.first_frame; f < clip.first_frame + clip.frame_count; ++f) {
-      nodes.push_back(model.tree().node_of_frame(layer, f));
-    }
-  }
-  return CountTransitions(sequences, model.tree().node_count(layer));
-}
-
 int NextNode(const TransitionGraph& graph, int node, SeededSequence& random) {
   auto remaining =
       static_cast<std::int64_t>(random.Next() * static_cast<double>(graph.row_sum(node)));
@@ -61,13 +48,15 @@ int NextNode(const TransitionGraph& graph, int node, SeededSequence& random) {
 absl::StatusOr<SampledPath> Descend(const Model& model, int layer,
                                     std::vector<std::int32_t> coarse_nodes,
                                     const FloorPose& coarse_end, double leg_length_m,
+                                    std::shared_ptr<const ClipMask> mask,
                                     const Cancelled& cancelled) {
   FrameMatrix means(static_cast<Eigen::Index>(coarse_nodes.size()), model.states().cols());
   for (std::size_t t = 0; t < coarse_nodes.size(); ++t) {
     means.row(static_cast<Eigen::Index>(t)) =
         model.gaussians().means().row(model.tree().branch(layer, coarse_nodes[t]));
   }
-  MOTIONDB_ASSIGN_OR_RETURN(PathSearch search, FindNodePaths(model, means, {}, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(PathSearch search,
+                            FindNodePaths(model, means, {.mask = std::move(mask)}, cancelled));
   SampledPath path{.coarse_nodes = std::move(coarse_nodes),
                    .bottom_nodes = std::move(search.paths.front().nodes),
                    .root = {{}},
@@ -88,12 +77,11 @@ struct Walk {
 }  // namespace
 
 absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int start_frame,
-                                         const std::vector<std::string>& labels,
-                                         double leg_length_m, const Obstacles& obstacles,
-                                         const SearchSettings& settings,
+                                         const Playable& playable, double leg_length_m,
+                                         const Obstacles& obstacles, const SearchSettings& settings,
                                          const PlanControl& control) {
   const std::vector<FloorPose> steps = StepsOf(model, layer, leg_length_m);
-  const TransitionGraph graph = GraphOf(model, layer, labels);
+  const TransitionGraph graph = PlayableGraph(model, layer, playable);
   const int start = model.tree().node_of_frame(layer, start_frame);
   const auto max_length =
       static_cast<std::size_t>(settings.max_duration_seconds * settings.frame_rate_hz);
@@ -148,8 +136,9 @@ absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int star
   sampled.effort.improvements = static_cast<int>(reached.size());
   if (reached.empty() && !nearest.nodes.empty()) reached.push_back(std::move(nearest));
   for (Walk& walk : reached) {
-    MOTIONDB_ASSIGN_OR_RETURN(SampledPath path, Descend(model, layer, std::move(walk.nodes),
-                                                        walk.end, leg_length_m, control.cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(SampledPath path,
+                              Descend(model, layer, std::move(walk.nodes), walk.end, leg_length_m,
+                                      playable.mask, control.cancelled));
     sampled.paths.push_back(std::move(path));
   }
   return sampled;

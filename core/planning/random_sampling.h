@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -26,13 +25,12 @@ struct SampledPaths {
   SearchEffort effort;
 };
 
-// Random walks from the node of a stored frame, by the probabilities of eq. 6 over the clips with
-// one of `labels` (empty: all). A walk ends at the goal, at an obstacle, at a node without
+// Random walks from the node of a stored frame, by the probabilities of eq. 6 over the playable
+// motion. A walk ends at the goal, at an obstacle, at a node without
 // transitions, or after the maximum duration. CANCELLED.
 absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int start_frame,
-                                         const std::vector<std::string>& labels,
-                                         double leg_length_m, const Obstacles& obstacles,
-                                         const SearchSettings& settings,
+                                         const Playable& playable, double leg_length_m,
+                                         const Obstacles& obstacles, const SearchSettings& settings,
                                          const PlanControl& control);
 
 // Returns the marker positions (frames x 3 N_v, m) of bottom nodes' means at the reference frames

@@ -27,7 +27,7 @@ constexpr int kCoarseStep = 4;  // stride of the first comparison
 }  // namespace
 
 SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
-                           const std::vector<std::string>& labels, Similarity likeness)
+                           const Playable& playable, Similarity likeness)
     : model_(model),
       floor_(floor),
       largest_distance_(likeness == Similarity::kSimilar ? kSimilar : kRoughlySimilar),
@@ -35,13 +35,10 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
   const double rate = model.settings().frame_rate_hz;
   const int max_frames = std::max(2, static_cast<int>(std::lround(kMaxRunSeconds * rate)));
   half_window_ = std::max(1, static_cast<int>(std::lround(kHalfWindowSeconds * rate)));
-  for (std::size_t c = 0; c < model.clips().size(); ++c) {
-    const ModelClip& clip = model.clips()[c];
-    if (!labels.empty() && std::find(labels.begin(), labels.end(), clip.label) == labels.end()) {
-      continue;
-    }
-    const int end = clip.first_frame + clip.frame_count;
-    for (int first = clip.first_frame; first < end;) {
+  ranges_ = PlayableRanges(model, playable);
+  for (std::size_t r = 0; r < ranges_.size(); ++r) {
+    const int end = ranges_[r].end;
+    for (int first = ranges_[r].first; first < end;) {
       const int node = model.tree().node_of_frame(layer, first);
       int last = first;
       while (last + 1 < end && last + 1 - first < max_frames &&
@@ -50,7 +47,7 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
       }
       runs_of_node_[node].push_back(static_cast<std::int32_t>(runs_.size()));
       runs_.push_back({first, last, node, last + 1 < end});
-      clip_of_run_.push_back(static_cast<std::int32_t>(c));
+      range_of_run_.push_back(static_cast<std::int32_t>(r));
       first = last + 1;
     }
   }
@@ -67,25 +64,22 @@ bool SegmentGraph::IsFreeOfGlitches(int run) const {
   return !model_.HasGlitch(runs_[run].first, runs_[run].last);
 }
 
-const ModelClip& SegmentGraph::ClipOf(int run) const { return model_.clips()[clip_of_run_[run]]; }
-
 double SegmentGraph::StateDistance(int a, int b) const {
   return static_cast<double>((model_.states().row(a) - model_.states().row(b)).squaredNorm() /
                              static_cast<float>(model_.states().cols()));
 }
 
-int SegmentGraph::HalfWindowAt(const ModelClip& from, int leave, const ModelClip& to,
+int SegmentGraph::HalfWindowAt(const PlayableRange& from, int leave, const PlayableRange& to,
                                int enter) const {
-  return std::min({half_window_, leave - from.first_frame,
-                   from.first_frame + from.frame_count - 1 - leave, enter - to.first_frame,
-                   to.first_frame + to.frame_count - 1 - enter});
+  return std::min({half_window_, leave - from.first, from.end - 1 - leave, enter - to.first,
+                   to.end - 1 - enter});
 }
 
 std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) {
   const Run& a = runs_[from];
   const Run& b = runs_[to];
-  const ModelClip& leaving = ClipOf(from);
-  const ModelClip& entering = ClipOf(to);
+  const PlayableRange& leaving = RangeOf(from);
+  const PlayableRange& entering = RangeOf(to);
   RunJoin best;
   best.distance = largest_distance_;
   bool found = false;
@@ -131,7 +125,7 @@ const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
   for (std::size_t i = 0; i < sampled; ++i) {
     const int to = same_node[i * same_node.size() / sampled];
     // A nearby run of the same clip would only repeat the motion or stall.
-    const bool neighbour = clip_of_run_[to] == clip_of_run_[run] &&
+    const bool neighbour = RangeOf(to).clip == RangeOf(run).clip &&
                            std::abs(runs_[to].first - runs_[run].first) <= 4 * half_window_;
     if (neighbour || !IsFreeOfGlitches(to)) continue;
     if (auto join = BestJoin(run, to)) joins.push_back(*join);
@@ -143,8 +137,7 @@ const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
 
 FloorPose SegmentGraph::Future(const RunJoin& join) const {
   const int frame = join.join.enter;
-  const ModelClip& clip = ClipOf(join.to);
-  const int end = clip.first_frame + clip.frame_count - 1;
+  const int end = RangeOf(join.to).end - 1;
   const auto ahead = static_cast<int>(kFutureSeconds * model_.settings().frame_rate_hz);
   return floor_.Between(frame, std::min(end, frame + ahead));
 }

@@ -7,23 +7,22 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "core/planning/playable.h"
 #include "core/planning/splice.h"
 
 namespace motiondb::core {
 
 class Model;
-struct ModelClip;
 
-// Consecutive frames of one clip in one node of the coarse layer, at most 0.25 s.
+// Consecutive frames of one playable range in one node of the coarse layer, at most 0.25 s.
 struct Run {
   std::int32_t first = 0;
   std::int32_t last = 0;
   std::int32_t node = 0;
-  bool continues = false;  // the next run is of the same clip
+  bool continues = false;  // the next run is of the same range
 };
 
 struct RunJoin {
@@ -39,13 +38,12 @@ enum class Similarity { kSimilar, kRoughlySimilar };
 
 class SegmentGraph {
  public:
-  // Creates the runs of the clips with one of `labels` (empty: all), by the nodes of `layer`.
-  // O(frames).
-  SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
-               const std::vector<std::string>& labels, Similarity likeness = Similarity::kSimilar);
+  // Creates the runs of the playable frames, by the nodes of `layer`. O(frames).
+  SegmentGraph(const Model& model, const StoredFloor& floor, int layer, const Playable& playable,
+               Similarity likeness = Similarity::kSimilar);
 
   const std::vector<Run>& runs() const { return runs_; }
-  // Index of the run that contains a frame; -1 if its clip is not used. O(log runs).
+  // Index of the run that contains a frame; -1 if it is not playable. O(log runs).
   int run_of_frame(int frame) const;
   // Maximum number of frames blended on each side of a join.
   int half_window() const { return half_window_; }
@@ -62,16 +60,17 @@ class SegmentGraph {
   // HasClearance the best of the joins that lead to the same pose.
   std::vector<RunJoin> KeepDistinctFutures(std::vector<RunJoin> joins) const;
   double StateDistance(int a, int b) const;
-  // half_window(), or less if a clip has fewer frames around the join.
-  int HalfWindowAt(const ModelClip& from, int leave, const ModelClip& to, int enter) const;
-  const ModelClip& ClipOf(int run) const;
+  // half_window(), or less if a range has fewer frames around the join.
+  int HalfWindowAt(const PlayableRange& from, int leave, const PlayableRange& to, int enter) const;
+  const PlayableRange& RangeOf(int run) const { return ranges_[range_of_run_[run]]; }
 
   const Model& model_;
   const StoredFloor& floor_;
   const double largest_distance_;
   int half_window_ = 0;
   std::vector<Run> runs_;
-  std::vector<std::int32_t> clip_of_run_;
+  std::vector<PlayableRange> ranges_;
+  std::vector<std::int32_t> range_of_run_;
   std::vector<std::vector<std::int32_t>> runs_of_node_;
   std::unordered_map<std::int32_t, std::vector<RunJoin>> joins_;  // by run, computed so far
 };

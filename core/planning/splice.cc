@@ -6,7 +6,7 @@
 
 namespace motiondb::core {
 
-StoredFloor::StoredFloor(const Model& model, double leg_length_m)
+StoredFloor::StoredFloor(const Model& model, double leg_length_m, const ClipMask* mask)
     : model_(model),
       leg_length_m_(leg_length_m),
       axes_(static_cast<std::size_t>(model.frame_count())),
@@ -14,7 +14,9 @@ StoredFloor::StoredFloor(const Model& model, double leg_length_m)
   const double rate = model.settings().frame_rate_hz;
   const int span = std::max(1, static_cast<int>(std::lround(rate / 4)));
   double length = 0;
-  for (const ModelClip& clip : model.clips()) {
+  for (std::size_t c = 0; c < model.clips().size(); ++c) {
+    const ModelClip& clip = model.clips()[c];
+    const bool is_playable = Allows(mask, static_cast<int>(c));
     const double scale = leg_length_m / clip.leg_length_m;
     for (int f = clip.first_frame; f < clip.first_frame + clip.frame_count; ++f) {
       const double heading = model.root_path()(f, 2);
@@ -24,7 +26,7 @@ StoredFloor::StoredFloor(const Model& model, double leg_length_m)
         length += std::hypot(step.x, step.y);
       }
       lengths_[f] = length;
-      if (f >= clip.first_frame + span) {
+      if (is_playable && f >= clip.first_frame + span) {
         const FloorPose moved = Between(f - span, f);
         top_speed_m_s_ = std::max(top_speed_m_s_, std::hypot(moved.x, moved.y) * rate / span);
         top_turn_rad_s_ = std::max(top_turn_rad_s_, std::abs(moved.heading) * rate / span);

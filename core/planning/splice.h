@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/planning/floor.h"
 
@@ -14,8 +15,9 @@ namespace motiondb::core {
 // must outlive it.
 class StoredFloor {
  public:
-  // Scales root paths from each clip's leg length to `leg_length_m`. O(frames).
-  StoredFloor(const Model& model, double leg_length_m);
+  // Scales root paths from each clip's leg length to `leg_length_m`. `mask`: the clips that may be
+  // played; null: all. O(frames).
+  StoredFloor(const Model& model, double leg_length_m, const ClipMask* mask = nullptr);
 
   double leg_length_m() const { return leg_length_m_; }
   // Returns the reference frame of frame `to` relative to that of frame `from`, in one clip.
@@ -30,7 +32,7 @@ class StoredFloor {
   // Returns the length (m) of the root's path between two frames of one clip, from <= to.
   double Length(int from, int to) const { return lengths_[to] - lengths_[from]; }
 
-  // Maximum average speeds over 0.25 s: bounds for any plan.
+  // Maximum average speeds over 0.25 s in the clips that may be played: bounds for any plan.
   double top_speed_m_s() const { return top_speed_m_s_; }
   double top_turn_rad_s() const { return top_turn_rad_s_; }
 

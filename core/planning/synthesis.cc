@@ -34,29 +34,24 @@ absl::StatusOr<int> FrameOfClip(const Model& model, const ClipMoment& moment) {
   return clip->first_frame + static_cast<int>(frame);
 }
 
-bool MayPlay(const ModelClip& clip, const std::vector<std::string>& labels) {
-  return labels.empty() || std::find(labels.begin(), labels.end(), clip.label) != labels.end();
-}
-
 int Runway(const Model& model) {
   return static_cast<int>(kRunwaySeconds * model.settings().frame_rate_hz);
 }
 
-// Returns the frame with the smallest `cost` of each usable clip; of these, the best few.
+// Returns the frame with the smallest `cost` of each playable range; of these, the best few.
 template <typename Cost>
-absl::StatusOr<std::vector<int>> CheapestFrames(const Model& model,
-                                                const std::vector<std::string>& labels, Cost cost) {
+absl::StatusOr<std::vector<int>> CheapestFrames(const Model& model, const Playable& playable,
+                                                Cost cost) {
   std::vector<std::pair<double, int>> best;
-  for (const ModelClip& clip : model.clips()) {
-    if (!MayPlay(clip, labels)) continue;
-    const int frames = std::max(1, clip.frame_count - Runway(model));
+  for (const auto& [clip, first, end] : PlayableRanges(model, playable)) {
+    const int last = std::max(first, end - Runway(model) - 1);
     constexpr double kNone = std::numeric_limits<double>::infinity();
-    std::pair<double, int> of_clip{kNone, clip.first_frame};
-    for (int f = clip.first_frame; f < clip.first_frame + frames; ++f) {
+    std::pair<double, int> of_range{kNone, first};
+    for (int f = first; f <= last; ++f) {
       if (model.HasGlitch(f, f)) continue;
-      if (const double c = cost(f); c < of_clip.first) of_clip = {c, f};
+      if (const double c = cost(f); c < of_range.first) of_range = {c, f};
     }
-    best.push_back(of_clip);
+    best.push_back(of_range);
   }
   if (best.empty()) return FieldViolation("labels", "expected a label of a stored clip");
   std::sort(best.begin(), best.end());
@@ -68,13 +63,12 @@ absl::StatusOr<std::vector<int>> CheapestFrames(const Model& model,
 }
 
 // By squared distance of scaled states; missing values (NaN) are ignored.
-absl::StatusOr<std::vector<int>> FramesMostLike(const Model& model,
-                                                const std::vector<std::string>& labels,
+absl::StatusOr<std::vector<int>> FramesMostLike(const Model& model, const Playable& playable,
                                                 const Eigen::RowVectorXf& scaled) {
   const Eigen::RowVectorXf known =
       scaled.array().isFinite().select(Eigen::RowVectorXf::Ones(scaled.size()), 0.0F);
   const Eigen::RowVectorXf target = scaled.array().isFinite().select(scaled, 0.0F);
-  return CheapestFrames(model, labels, [&](int f) {
+  return CheapestFrames(model, playable, [&](int f) {
     return ((model.states().row(f) - target).array() * known.array()).matrix().squaredNorm();
   });
 }
@@ -98,34 +92,35 @@ std::vector<PlanOrigin> Origins(const PlanOrigin& begin, const std::vector<int>&
 
 absl::StatusOr<std::vector<PlanOrigin>> FromObservation(const Model& model,
                                                         const StateSequence& observation,
-                                                        const std::vector<std::string>& labels) {
+                                                        const Playable& playable) {
   MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, observation));
   const Eigen::Index last = scaled.rows() - 1;
   if (!scaled.row(last).array().isFinite().any()) {
     return InvalidArgument("observation: expected a marker in the last frame");
   }
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<int> frames,
-                            FramesMostLike(model, labels, scaled.row(last)));
+                            FramesMostLike(model, playable, scaled.row(last)));
   return Origins({.state = observation.states.row(last), .leg_length_m = observation.leg_length_m},
                  frames);
 }
 
 absl::StatusOr<std::vector<PlanOrigin>> FromClip(const Model& model, const ClipMoment& moment,
-                                                 const std::vector<std::string>& labels) {
+                                                 const Playable& playable) {
   MOTIONDB_ASSIGN_OR_RETURN(const int frame, FrameOfClip(model, moment));
   const PlanOrigin origin = AtFrame(model, frame);
-  const ModelClip& clip = model.clips()[model.clip_of_frame(frame)];
-  const int remaining = clip.first_frame + clip.frame_count - 1 - frame;
-  if (MayPlay(clip, labels) && remaining >= Runway(model)) return std::vector<PlanOrigin>{origin};
+  for (const PlayableRange& range : PlayableRanges(model, playable)) {
+    if (frame >= range.first && frame + Runway(model) < range.end) {
+      return std::vector<PlanOrigin>{origin};
+    }
+  }
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<int> frames,
-                            FramesMostLike(model, labels, model.states().row(frame)));
+                            FramesMostLike(model, playable, model.states().row(frame)));
   return Origins(origin, frames);
 }
 
-absl::StatusOr<std::vector<PlanOrigin>> Standing(const Model& model,
-                                                 const std::vector<std::string>& labels) {
+absl::StatusOr<std::vector<PlanOrigin>> Standing(const Model& model, const Playable& playable) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<int> frames,
-                            CheapestFrames(model, labels, [&](int f) {
+                            CheapestFrames(model, playable, [&](int f) {
                               double speed = 0;
                               for (Eigen::Index m = 0; m < model.states().cols() / 6; ++m) {
                                 speed += model.states().row(f).segment<3>(6 * m + 3).squaredNorm();
@@ -141,10 +136,10 @@ absl::StatusOr<std::vector<PlanOrigin>> Standing(const Model& model,
 }  // namespace
 
 absl::StatusOr<std::vector<PlanOrigin>> FindOrigins(const Model& model, const PlanStart& start,
-                                                    const std::vector<std::string>& labels) {
-  if (start.observation) return FromObservation(model, *start.observation, labels);
-  if (start.clip) return FromClip(model, *start.clip, labels);
-  return Standing(model, labels);
+                                                    const Playable& playable) {
+  if (start.observation) return FromObservation(model, *start.observation, playable);
+  if (start.clip) return FromClip(model, *start.clip, playable);
+  return Standing(model, playable);
 }
 
 namespace {

@@ -25,16 +25,16 @@ struct PlanOrigin {
 
 // Returns origins: for a moment of a clip, its own frame; for an observation, the frame most
 // similar to its last one, by positions and velocities of all markers; for standing, the frame that
-// moves least. Only frames of clips with one of `labels` (empty: all), with half a second left if
-// their clip is that long; for another moment of a clip, the most similar such frame.
+// moves least. Only playable frames, with half a second left if their range is
+// that long; for another moment of a clip, the most similar such frame.
 //
 // NOT_FOUND for an unknown clip; OUT_OF_RANGE for a moment outside the clip; INVALID_ARGUMENT if no
-// clip has such a label or the observation does not fit the model. O(frames * dimensions).
+// frame is playable or the observation does not fit the model. O(frames * dimensions).
 //
-// If the start is not a stored frame to be played itself, the best frames of other clips follow, at
-// most five in total, because some lead nowhere.
+// If the start is not a stored frame to be played itself, the best frames of other ranges follow,
+// at most five in total, because some lead nowhere.
 absl::StatusOr<std::vector<PlanOrigin>> FindOrigins(const Model& model, const PlanStart& start,
-                                                    const std::vector<std::string>& labels);
+                                                    const Playable& playable);
 
 // One motion from the stored frames of a path (section VI-E): blended at joins, faded in from the
 // start state, on the body's soles, with standing feet kept in place.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/inference/observation.h"
+#include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/model/pose_history.h"
 #include "core/motion/cancellation.h"
@@ -150,7 +151,9 @@ Forecast Forecaster::At(double seconds) {
 }
 
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
-                                                      double transition_floor, FrameRange without,
+                                                      double transition_floor,
+                                                      std::shared_ptr<const ClipMask> mask,
+                                                      FrameRange without,
                                                       const Cancelled& cancelled,
                                                       std::vector<NodeState> known) {
   std::vector<StoredMoment> moments;
@@ -160,12 +163,14 @@ absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const 
     if (now.empty()) {
       MOTIONDB_ASSIGN_OR_RETURN(
           const PathSearch search,
-          FindNodePaths(model, scaled, {.transition_floor = transition_floor}, cancelled));
+          FindNodePaths(model, scaled, {.transition_floor = transition_floor, .mask = mask},
+                        cancelled));
       MOTIONDB_ASSIGN_OR_RETURN(now, LastNodes(model, search, transition_floor, cancelled));
     }
-    const std::vector<int> pool = ExemplarPool(model, model.layer_count(), now, kMinPool);
-    for (const Exemplar& exemplar :
-         NearestFrames(model, pool, scaled.row(scaled.rows() - 1).data(), kMoments, without)) {
+    const std::vector<int> pool =
+        ExemplarPool(model, model.layer_count(), now, mask.get(), kMinPool);
+    for (const Exemplar& exemplar : NearestFrames(model, pool, scaled.row(scaled.rows() - 1).data(),
+                                                  kMoments, mask.get(), without)) {
       moments.push_back({exemplar.frame, mirrored});
     }
     return absl::OkStatus();
@@ -199,9 +204,11 @@ ExemplarWeights WeighExemplars(const FrameMatrix& keys, const Eigen::RowVectorXf
   return result;
 }
 
-NodeForecaster::NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now)
+NodeForecaster::NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now,
+                               const ClipMask* mask)
     : model_(model),
       layer_(layer),
+      graph_(AllowedGraph(model, layer, mask)),
       probability_(static_cast<std::size_t>(model.tree().node_count(layer)), 0.0) {
   for (const NodeState& state : now) probability_[state.node] = state.probability;
 }
@@ -222,13 +229,12 @@ void NodeForecaster::Step() {
   const Eigen::RowVector2f velocity =
       (mean.segment<2>(6 * hips.left_hip + 3) + mean.segment<2>(6 * hips.right_hip + 3)) / 2;
   moved_ += velocity.transpose() / static_cast<float>(model_.settings().frame_rate_hz);
-  const TransitionGraph& graph = model_.global_graph(layer_);
   std::vector<double> next(probability_.size(), 0.0);
   double total = 0;
   for (std::size_t node = 0; node < probability_.size(); ++node) {
-    const auto leaving = static_cast<double>(graph.row_sum(static_cast<int>(node)));
+    const auto leaving = static_cast<double>(graph_.row_sum(static_cast<int>(node)));
     if (probability_[node] <= 0 || leaving <= 0) continue;
-    for (const Edge& edge : graph.row(static_cast<int>(node))) {
+    for (const Edge& edge : graph_.row(static_cast<int>(node))) {
       next[edge.to] += probability_[node] * edge.count / leaving;
     }
     total += probability_[node];
@@ -241,7 +247,7 @@ void NodeForecaster::Step() {
 Eigen::RowVectorXf NodeForecaster::At(double seconds, const Cancelled& cancelled) {
   const auto frames = static_cast<int>(std::lround(seconds * model_.settings().frame_rate_hz));
   ThrottledCancellation cancellation(cancelled);
-  const auto step = std::ssize(probability_) + model_.global_graph(layer_).edge_count();
+  const auto step = std::ssize(probability_) + graph_.edge_count();
   for (; frames_ < frames && !cancellation.cancelled(step); ++frames_) Step();
   const Eigen::RowVectorXf mean = Mean();
   Eigen::RowVectorXf positions(mean.size() / 2);

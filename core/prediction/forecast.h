@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -28,6 +29,7 @@ struct ExemplarWeights {
 ExemplarWeights WeighExemplars(const FrameMatrix& keys, const Eigen::RowVectorXf& query,
                                double kernel_length, double noise);
 
+class ClipMask;
 class Model;
 
 // A moment of stored motion, or its mirror image.
@@ -78,10 +80,12 @@ class Forecaster {
 
 // Returns the stored moments most similar to the last frame of `past`, among the frames of the
 // nodes that the tree finds for it, and those most similar to its mirror image if the markers have
-// sides. Ignores frames in `without`. `known`: LastNodes of `past` on the bottom layer; searched if
-// empty. Errors as FindNodePaths.
+// sides. Uses the clips that `mask` allows (null: all), without the frames in `without`. `known`:
+// LastNodes of `past` on the bottom layer; searched if empty. Errors as FindNodePaths.
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
-                                                      double transition_floor, FrameRange without,
+                                                      double transition_floor,
+                                                      std::shared_ptr<const ClipMask> mask,
+                                                      FrameRange without,
                                                       const Cancelled& cancelled,
                                                       std::vector<NodeState> known = {});
 
@@ -89,8 +93,10 @@ absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const 
 // nodes propagates along the graph, and each node has its mean pose.
 class NodeForecaster {
  public:
-  // `now`: possible current nodes of `layer`; their probabilities sum to 1.
-  NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now);
+  // `now`: possible current nodes of `layer`; their probabilities sum to 1. `mask`: the clips to
+  // use; null: all. The model and the mask must outlive this.
+  NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now,
+                 const ClipMask* mask = nullptr);
 
   // Returns the marker positions (3 N_v, leg lengths) after `seconds`, in the current reference
   // frame: the expected node mean, moved by the hips' mean velocities. `seconds` must not decrease
@@ -105,6 +111,7 @@ class NodeForecaster {
 
   const Model& model_;
   const int layer_;
+  const TransitionGraph& graph_;
   std::vector<double> probability_;  // of each node of the layer
   Eigen::Vector2f moved_ = Eigen::Vector2f::Zero();
   int frames_ = 0;

@@ -9,6 +9,7 @@
 #include "core/estimation/estimate.h"
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
+#include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/floor_origin.h"
@@ -24,8 +25,9 @@ constexpr double kNear_m = 0.05;              // mean error to which the confide
 
 // Returns the distribution of the next different node: the graph's transitions to other nodes,
 // weighted by the probabilities of the current nodes.
-std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector<NodeState>& now) {
-  const TransitionGraph& graph = model.global_graph(layer);
+std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector<NodeState>& now,
+                                const ClipMask* mask) {
+  const TransitionGraph& graph = AllowedGraph(model, layer, mask);
   std::map<int, double> probability;
   double total = 0;
   for (const NodeState& state : now) {
@@ -46,7 +48,7 @@ std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector
   std::stable_sort(next.begin(), next.end(), [](const NextNode& a, const NextNode& b) {
     return a.probability > b.probability;
   });
-  for (int c = 0; c < static_cast<int>(model.clips().size()); ++c) {
+  for (const int c : AllowedClips(model, mask)) {
     const auto clip = model.clip_graph(layer, c);
     const auto state_of = [&](int node) {
       const auto& nodes = clip->nodes;
@@ -77,8 +79,9 @@ absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& sea
     complete.root_path.leftCols<2>().rowwise() -= origin.transpose();
     const StateSequence near = complete;
     MOTIONDB_ASSIGN_OR_RETURN(
-        const auto filled, FillMissing(model, near, scaled, search.layer,
-                                       search.paths.front().nodes, Fill::kEveryFrame, cancelled));
+        const auto filled,
+        FillMissing(model, near, scaled, search.layer, search.paths.front().nodes,
+                    Fill::kEveryFrame, search.mask.get(), cancelled));
     ApplyFilled(filled, complete);
     complete.root_path = past.root_path;
   }
@@ -99,16 +102,16 @@ PredictedFrame InWorld(const StateSequence& past, double seconds,
 
 // Predicts with the graph alone. Sets no confidence, because the error of this method is unknown.
 absl::Status PredictByNodes(const Model& model, const StateSequence& past,
-                            const std::vector<NodeState>& now,
-                            const std::vector<double>& horizon_seconds, const Cancelled& cancelled,
-                            Prediction& prediction) {
+                            const std::vector<NodeState>& now, const PredictOptions& options,
+                            const Cancelled& cancelled, Prediction& prediction) {
+  const std::vector<double>& horizon_seconds = options.horizon_seconds;
   std::vector<std::size_t> order(horizon_seconds.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return horizon_seconds[a] < horizon_seconds[b];
   });
   prediction.horizons.resize(horizon_seconds.size());
-  NodeForecaster forecaster(model, prediction.layer, now);
+  NodeForecaster forecaster(model, prediction.layer, now, options.mask.get());
   for (const std::size_t h : order) {
     const Eigen::RowVectorXf positions = forecaster.At(horizon_seconds[h], cancelled);
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
@@ -148,9 +151,11 @@ absl::StatusOr<Moment> MomentOf(const Model& model, const StateSequence& observa
 // Returns Prediction::unknown_probability. `past` ends at the moment.
 absl::StatusOr<std::optional<double>> UnknownProbabilityOf(const Model& model,
                                                            const StateSequence& past,
+                                                           const PredictOptions& predicted,
                                                            const Cancelled& cancelled) {
   if (!model.recognition().window.unknown) return std::nullopt;
-  const RecognizeOptions options;
+  RecognizeOptions options;
+  options.mask = predicted.mask;
   const int width = static_cast<int>(std::lround(options.window_seconds * past.frame_rate_hz));
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto windows,  // one
@@ -163,6 +168,7 @@ absl::StatusOr<PathSearch> Search(const Model& model, const Moment& moment,
   NodePathOptions search;
   search.layer = options.layer;
   search.transition_floor = options.transition_floor;
+  search.mask = options.mask;
   return FindNodePaths(model, moment.scaled, search, cancelled);
 }
 
@@ -171,8 +177,9 @@ absl::StatusOr<PathSearch> Search(const Model& model, const Moment& moment,
 absl::StatusOr<std::vector<PredictedFrame>> PredictByExamples(
     const Model& model, const StateSequence& past, const StateSequence& complete,
     std::vector<NodeState> now, const PredictOptions& options, const Cancelled& cancelled) {
-  MOTIONDB_ASSIGN_OR_RETURN(auto moments, FindMoments(model, complete, options.transition_floor,
-                                                      options.without, cancelled, std::move(now)));
+  MOTIONDB_ASSIGN_OR_RETURN(auto moments,
+                            FindMoments(model, complete, options.transition_floor, options.mask,
+                                        options.without, cancelled, std::move(now)));
   Forecaster forecaster(model, complete, std::move(moments));
   std::vector<PredictedFrame> horizons;
   for (const double seconds : options.horizon_seconds) {
@@ -229,10 +236,9 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
   prediction.at_seconds = moment.frame / observation.frame_rate_hz;
   prediction.layer = search.layer;
   prediction.state = now.front();
-  prediction.next_nodes = NextNodes(model, search.layer, now);
+  prediction.next_nodes = NextNodes(model, search.layer, now, options.mask.get());
   if (options.method == Method::kPaper) {
-    MOTIONDB_RETURN_IF_ERROR(
-        PredictByNodes(model, past, now, options.horizon_seconds, cancelled, prediction));
+    MOTIONDB_RETURN_IF_ERROR(PredictByNodes(model, past, now, options, cancelled, prediction));
     return prediction;
   }
   MOTIONDB_ASSIGN_OR_RETURN(const StateSequence complete,
@@ -242,7 +248,7 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
       prediction.horizons,
       PredictByExamples(model, past, complete, std::move(now), options, cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(prediction.unknown_probability,
-                            UnknownProbabilityOf(model, past, cancelled));
+                            UnknownProbabilityOf(model, past, options, cancelled));
   return prediction;
 }
 

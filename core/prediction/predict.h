@@ -1,6 +1,7 @@
 // Predicts the next nodes and marker positions of a motion (section V-A).
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 struct PredictOptions {
@@ -21,6 +23,7 @@ struct PredictOptions {
   std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
   int layer = 0;
   double transition_floor = 1e-6;
+  std::shared_ptr<const ClipMask> mask = nullptr;  // clips to use; null: all
   FrameRange without;  // stored frames that are not used as examples, for held-out tests
 };
 

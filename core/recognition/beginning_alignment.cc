@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/recognition/alignment_loops.h"
 #include "core/recognition/clip_alignment.h"
@@ -31,10 +32,10 @@ ComparedBeginnings FramesToCompare(const Beginnings& beginnings, int stride) {
   return compared;
 }
 
-// Position of a clip's result for a beginning.
+// Position of a unit's result for a beginning.
 struct ResultIndex {
   int beginning = 0;
-  int rank = 0;  // index in the shortlist
+  int rank = 0;  // index among its units
 };
 
 // Squared whitened differences between observed and stored frames. Consecutive beginnings share
@@ -80,7 +81,7 @@ class WhitenedSquares {
   std::vector<double> squares_;
 };
 
-// Aligns several clips; reuses its memory.
+// Aligns several units; reuses its memory.
 class BeginningAligner {
  public:
   // A beginning consists of the first `shared_count` of the `shared` frames and its row of
@@ -91,23 +92,23 @@ class BeginningAligner {
 
   // Writes the log evidence of the beginnings `selected` (indices, ascending, not empty) and
   // updates their nearest frames.
-  void Align(const MetricFrames& stored, int clip, const std::vector<int>& selected,
+  void Align(const MetricFrames& stored, RowRange rows, const std::vector<int>& selected,
              std::vector<std::vector<NearestFrame>>& nearest, std::vector<double>& log_evidence) {
-    ReadNewest(stored, clip);
+    ReadNewest(stored, rows);
     inexact_.clear();
     FollowPaths(
-        stored, clip, selected,
+        stored, rows, selected,
         [&](PathSum& paths, const auto& distances, int frame) {
           const float minimum = Minimum(distances.data(), static_cast<int>(distances.size()));
           for (const int b : selected) {
             if (frame < shared_count_[b])
-              UpdateNearest(stored, clip, distances, minimum, nearest[b][frame]);
+              UpdateNearest(stored, rows, distances, minimum, nearest[b][frame]);
           }
           AddFrame(paths, distances, minimum);
         },
         [&](PathSum& paths, const auto& distances, int b) {
           const float minimum = Minimum(distances.data(), static_cast<int>(distances.size()));
-          UpdateNearest(stored, clip, distances, minimum, nearest[b].back());
+          UpdateNearest(stored, rows, distances, minimum, nearest[b].back());
           AddFrame(paths, distances, minimum);
           if (!paths.IsExact()) inexact_.push_back(b);
           return paths.LogEvidence();
@@ -116,7 +117,7 @@ class BeginningAligner {
     if (inexact_.empty()) return;
     const auto add = [](PathSum& paths, const auto& distances, int) { paths.AddFrame(distances); };
     FollowPaths(
-        stored, clip, std::vector<int>(inexact_), add,
+        stored, rows, std::vector<int>(inexact_), add,
         [&](PathSum& paths, const auto& distances, int) {
           paths.AddFrame(distances);
           return paths.LogEvidence();
@@ -125,11 +126,10 @@ class BeginningAligner {
   }
 
  private:
-  void ReadNewest(const MetricFrames& stored, int clip) {
-    const int count = stored.rows.count(clip);
-    newest_distances_.resize(count, newest_.count());
+  void ReadNewest(const MetricFrames& stored, RowRange rows) {
+    newest_distances_.resize(rows.count, newest_.count());
     for (int block = 0; block < newest_.block_count(); ++block) {
-      newest_.ComputeDistances(stored, clip, block, distances_);
+      newest_.ComputeDistances(stored, rows, block, distances_);
       newest_distances_.middleCols(block * kFrameLanes, newest_.CountOf(block)) =
           distances_.leftCols(newest_.CountOf(block));
     }
@@ -144,10 +144,10 @@ class BeginningAligner {
   // Follows the paths along the shared frames; at the end of each beginning, a copy continues to
   // its newest frame.
   template <typename AddShared, typename AddNewest>
-  void FollowPaths(const MetricFrames& stored, int clip, const std::vector<int>& selected,
+  void FollowPaths(const MetricFrames& stored, RowRange rows, const std::vector<int>& selected,
                    const AddShared& add_shared, const AddNewest& add_newest,
                    std::vector<double>& log_evidence) {
-    paths_.Begin(stored.rows.count(clip), true);
+    paths_.Begin(rows.count, true);
     auto next = selected.begin();
     const auto end_beginnings = [&](int frames_added) {
       for (; next != selected.end() && shared_count_[*next] == frames_added; ++next) {
@@ -157,7 +157,7 @@ class BeginningAligner {
     };
     end_beginnings(0);
     for (int block = 0; next != selected.end(); ++block) {
-      shared_.ComputeDistances(stored, clip, block, distances_);
+      shared_.ComputeDistances(stored, rows, block, distances_);
       for (int f = 0; f < shared_.CountOf(block) && next != selected.end(); ++f) {
         const int frame = block * kFrameLanes + f;
         add_shared(paths_, distances_.col(f), frame);
@@ -172,15 +172,16 @@ class BeginningAligner {
   PathSum paths_;
   PathSum ended_;
   std::vector<int> inexact_;
-  Eigen::ArrayXXf distances_;         // frames of the clip x frames of the block
-  Eigen::ArrayXXf newest_distances_;  // clip's frames x beginnings
+  Eigen::ArrayXXf distances_;         // rows x frames of the block
+  Eigen::ArrayXXf newest_distances_;  // rows x beginnings
   Eigen::ArrayXf roots_;
 };
 
 }  // namespace
 
-std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginnings& beginnings,
-                                             const std::vector<bool>& left_out) {
+std::vector<WindowAlignment> AlignBeginnings(const Model& model, const LabelUnits& units,
+                                             const Beginnings& beginnings, const ClipMask* mask,
+                                             int left_out_label) {
   const auto count = beginnings.lengths.size();
   const auto [frames, shared_count] =
       FramesToCompare(beginnings, FrameStride(model.settings().frame_rate_hz));
@@ -191,7 +192,7 @@ std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginning
 
   std::vector<WindowAlignment> alignments(count);
   std::vector<std::vector<NearestFrame>> nearest(count);
-  std::map<int, std::vector<ResultIndex>> results;  // by clip, the shortest beginning first
+  std::map<int, std::vector<ResultIndex>> results;  // by unit, the shortest beginning first
   for (std::size_t b = 0; b < count; ++b) {
     FrameMatrix observed(shared_count[b] + 1, shared.cols());
     observed << shared.topRows(shared_count[b]), newest.row(static_cast<Eigen::Index>(b));
@@ -199,27 +200,31 @@ std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginning
     alignments[b].energy = observed.rowwise().squaredNorm().mean();
     alignments[b].noise = NoiseEnergy(projected.topRows(beginnings.lengths[b] - 1));
     nearest[b].assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
-    for (const int clip : ShortlistClips(model, nullptr, observed, left_out)) {
-      results[clip].push_back({static_cast<int>(b), static_cast<int>(alignments[b].clips.size())});
-      alignments[b].clips.push_back({clip, 0});
+    for (const int clip : ShortlistClips(model, nullptr, observed, mask)) {
+      for (const LabelUnit& unit : units.of_clip(clip)) {
+        if (unit.label >= 0 && unit.label == left_out_label) continue;
+        results[static_cast<int>(&unit - units.all().data())].push_back(
+            {static_cast<int>(b), static_cast<int>(alignments[b].units.size())});
+        alignments[b].units.push_back({&unit, 0});
+      }
     }
   }
 
   BeginningAligner aligner(shared, newest, shared_count);
   std::vector<int> selected;
   std::vector<double> log_evidence(count);
-  for (const auto& [clip, clip_results] : results) {
+  for (const auto& [unit, unit_results] : results) {
     selected.clear();
-    for (const ResultIndex& result : clip_results) selected.push_back(result.beginning);
-    aligner.Align(model.metric_frames(), clip, selected, nearest, log_evidence);
-    for (const ResultIndex& result : clip_results) {
-      alignments[result.beginning].clips[result.rank].log_evidence = log_evidence[result.beginning];
+    for (const ResultIndex& result : unit_results) selected.push_back(result.beginning);
+    aligner.Align(model.metric_frames(), units.all()[unit].rows, selected, nearest, log_evidence);
+    for (const ResultIndex& result : unit_results) {
+      alignments[result.beginning].units[result.rank].log_evidence = log_evidence[result.beginning];
     }
   }
 
   WhitenedSquares squares(model, shared_states);
   for (std::size_t b = 0; b < count; ++b) {
-    SortByEvidence(alignments[b].clips);
+    SortByEvidence(alignments[b].units);
     alignments[b].familiarity_score = FamiliarityOfDifference(
         squares.Mean(nearest[b], beginnings.newest.row(static_cast<Eigen::Index>(b))));
   }

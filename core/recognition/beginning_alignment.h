@@ -1,4 +1,4 @@
-// Aligns several beginnings of one observation with stored clips in one pass. All frames of a
+// Aligns several beginnings of one observation with stored units in one pass. All frames of a
 // beginning except its newest are shared with longer beginnings.
 #pragma once
 
@@ -9,6 +9,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 // Beginnings of one observation, in ascending order of length.
@@ -22,8 +23,11 @@ struct Beginnings {
 
 // Returns for each beginning the result of AlignWindow, anchored, for its compared frames
 // (ComparedFrames from the start). Each beginning has its own shortlist. Costs as much as the
-// longest beginning with all shortlisted clips. REQUIRES: at least one clip is not left out.
-std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginnings& beginnings,
-                                             const std::vector<bool>& left_out);
+// longest beginning with all shortlisted clips. `mask` and `left_out_label` as
+// for AlignWindow.
+std::vector<WindowAlignment> AlignBeginnings(const Model& model, const LabelUnits& units,
+                                             const Beginnings& beginnings,
+                                             const ClipMask* mask = nullptr,
+                                             int left_out_label = -1);
 
 }  // namespace motiondb::core

@@ -130,10 +130,9 @@ int ObservedFrames::CountOf(int block) const {
   return std::min(kFrameLanes, frames_ - block * kFrameLanes);
 }
 
-void ObservedFrames::ComputeDistances(const MetricFrames& stored, int clip, int block,
+void ObservedFrames::ComputeDistances(const MetricFrames& stored, RowRange rows, int block,
                                       Eigen::ArrayXXf& distances) const {
-  const int first = stored.rows.begin[clip];
-  const int count = stored.rows.count(clip);
+  const auto [first, count] = rows;
   distances.resize(count, kFrameLanes);
   SquaredDistances(stored.projected.row(first).data(), stored.squared_norms.data() + first, count,
                    static_cast<int>(stored.projected.cols()), blocks_[block].data(),
@@ -141,56 +140,56 @@ void ObservedFrames::ComputeDistances(const MetricFrames& stored, int clip, int 
                    count);
 }
 
-void UpdateNearest(const MetricFrames& stored, int clip,
+void UpdateNearest(const MetricFrames& stored, RowRange rows,
                    const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float minimum,
                    NearestFrame& nearest) {
   if (!(minimum < nearest.squared_distance)) return;
   const auto at = std::find(squared_distances.begin(), squared_distances.end(), minimum) -
                   squared_distances.begin();
-  nearest = {minimum, stored.rows.frame[stored.rows.begin[clip] + at]};
+  nearest = {minimum, stored.rows.frame[rows.first + at]};
 }
 
 ClipAligner::ClipAligner(const FrameMatrix& observed, bool anchored)
     : observed_(observed), anchored_(anchored) {}
 
-double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int clip,
+double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, RowRange rows,
                                            ThrottledCancellation& cancellation) {
-  const int count = stored.rows.count(clip);
+  const int count = rows.count;
   paths_.Begin(count, anchored_);
   for (int block = 0; block < observed_.block_count(); ++block) {
     if (cancellation.cancelled(StepsOfBlock(stored, count))) return 0;
-    observed_.ComputeDistances(stored, clip, block, distances_);
+    observed_.ComputeDistances(stored, rows, block, distances_);
     for (int f = 0; f < observed_.CountOf(block); ++f) paths_.AddFrame(distances_.col(f));
   }
   return paths_.LogEvidence();
 }
 
-double ClipAligner::Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest,
-                          const Cancelled& cancelled) {
+double ClipAligner::Align(const MetricFrames& stored, RowRange rows,
+                          std::vector<NearestFrame>& nearest, const Cancelled& cancelled) {
   ThrottledCancellation cancellation(cancelled);
-  const int count = stored.rows.count(clip);
+  const int count = rows.count;
   roots_.resize(count);
   paths_.Begin(count, anchored_);
   for (int block = 0; block < observed_.block_count(); ++block) {
     if (cancellation.cancelled(StepsOfBlock(stored, count))) return 0;
-    observed_.ComputeDistances(stored, clip, block, distances_);
+    observed_.ComputeDistances(stored, rows, block, distances_);
     for (int f = 0; f < observed_.CountOf(block); ++f) {
       const auto distances = distances_.col(f);
       const float minimum = Minimum(distances.data(), count);
-      UpdateNearest(stored, clip, distances, minimum, nearest[block * kFrameLanes + f]);
+      UpdateNearest(stored, rows, distances, minimum, nearest[block * kFrameLanes + f]);
       const bool cut_off = PathSum::Roots(distances, minimum, roots_);
       paths_.AddRoots(roots_, minimum, cut_off);
     }
   }
   return paths_.IsExact() ? paths_.LogEvidence()
-                          : LogEvidenceByDistances(stored, clip, cancellation);
+                          : LogEvidenceByDistances(stored, rows, cancellation);
 }
 
-ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,
+ClipAlignment AlignToClip(const MetricFrames& stored, RowRange rows, const FrameMatrix& observed,
                           bool anchored) {
   ClipAlignment alignment;
   alignment.nearest.assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
-  alignment.log_evidence = ClipAligner(observed, anchored).Align(stored, clip, alignment.nearest);
+  alignment.log_evidence = ClipAligner(observed, anchored).Align(stored, rows, alignment.nearest);
   return alignment;
 }
 

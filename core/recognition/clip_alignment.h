@@ -64,9 +64,9 @@ class ObservedFrames {
   int count() const { return frames_; }
   int block_count() const { return static_cast<int>(blocks_.size()); }
   int CountOf(int block) const;
-  // Writes the squared distances between the clip's strided frames and the frames of a block to
-  // `distances` (strided frames x kFrameLanes).
-  void ComputeDistances(const MetricFrames& stored, int clip, int block,
+  // Writes the squared distances between the stored `rows` and the frames of a block to `distances`
+  // (rows x kFrameLanes).
+  void ComputeDistances(const MetricFrames& stored, RowRange rows, int block,
                         Eigen::ArrayXXf& distances) const;
 
  private:
@@ -81,9 +81,9 @@ struct NearestFrame {
   int frame = 0;  // of the model
 };
 
-// Updates `nearest` if a frame of the clip is nearer to the observed frame. `squared_distances`:
-// from the clip's strided frames; `minimum`: their minimum.
-void UpdateNearest(const MetricFrames& stored, int clip,
+// Updates `nearest` if one of the stored `rows` is nearer to the observed frame.
+// `squared_distances`: from these rows; `minimum`: their minimum.
+void UpdateNearest(const MetricFrames& stored, RowRange rows,
                    const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float minimum,
                    NearestFrame& nearest);
 
@@ -92,32 +92,33 @@ struct ClipAlignment {
   std::vector<NearestFrame> nearest;  // one for each observed frame
 };
 
-// Aligns an observation (frames x K, in the metric, at the stride of `stored`) with a clip. With
-// each observed frame the clip advances by 0, 1 or 2 strided frames with probability 0.2, 0.6, 0.2.
-// The log density of an observed frame z in the clip's frame z_j is -|z - z_j|^2 / 6. Sums over all
+// Aligns an observation (frames x K, in the metric, at the stride of `stored`) with stored `rows`:
+// a clip or a part of it. With each observed frame the clip advances by 0, 1 or 2 strided frames
+// with probability 0.2, 0.6, 0.2. The log density of an observed frame z in the clip's frame z_j is
+// -|z - z_j|^2 / 6. Sums over all
 // paths. A path may start and end at any frame; if `anchored`, a start at the j-th strided frame
 // costs 2 j. O(observed frames * strided frames * K).
-ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,
+ClipAlignment AlignToClip(const MetricFrames& stored, RowRange rows, const FrameMatrix& observed,
                           bool anchored);
 
-// AlignToClip for one observation and several clips; reuses its memory. Not thread-safe.
+// AlignToClip for one observation and several clips or parts; reuses its memory. Not thread-safe.
 class ClipAligner {
  public:
   ClipAligner(const FrameMatrix& observed, bool anchored);
 
-  // Returns the clip's log evidence, and updates `nearest` (one for each observed frame). If
-  // cancelled, returns early with an invalid result.
-  double Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest,
+  // Returns the log evidence, and updates `nearest` (one for each observed frame). If cancelled,
+  // returns early with an invalid result.
+  double Align(const MetricFrames& stored, RowRange rows, std::vector<NearestFrame>& nearest,
                const Cancelled& cancelled = {});
 
  private:
-  double LogEvidenceByDistances(const MetricFrames& stored, int clip,
+  double LogEvidenceByDistances(const MetricFrames& stored, RowRange rows,
                                 ThrottledCancellation& cancellation);
 
   const ObservedFrames observed_;
   const bool anchored_;
   PathSum paths_;
-  Eigen::ArrayXXf distances_;  // frames of the clip x frames of the block
+  Eigen::ArrayXXf distances_;  // rows x frames of the block
   Eigen::ArrayXf roots_;
 };
 

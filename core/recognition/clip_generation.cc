@@ -5,14 +5,17 @@
 
 #include "core/graph/generation.h"
 #include "core/inference/lattice.h"
+#include "core/model/clip_graphs.h"
+#include "core/model/clip_mask.h"
+#include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 
 WindowEmission::WindowEmission(const Model& model, int layer, const FrameMatrix& observation,
-                               int frames)
-    : model_(model), layer_(layer), observation_(observation) {
+                               int frames, const ClipMask* mask)
+    : model_(model), layer_(layer), observation_(observation), mask_(mask) {
   log_density_.resize(frames, model.tree().node_count(layer));
 }
 
@@ -26,11 +29,18 @@ void WindowEmission::MoveTo(int first, const Cancelled& cancelled) {
     const float* x = observation_.row(first + t).data();
     for (Eigen::Index node = 0; node < log_density_.cols(); ++node) {
       const int branch = model_.tree().branch(layer_, static_cast<int>(node));
-      log_density_(t, node) = model_.gaussians().LogDensity(branch, x);
+      log_density_(t, node) = IsAllowedNode(model_, layer_, static_cast<int>(node), mask_)
+                                  ? model_.gaussians().LogDensity(branch, x)
+                                  : -std::numeric_limits<double>::infinity();
     }
   }
   first_ = first;
   computed_ = first + frames;
+}
+
+double WindowEmission::Familiarity() const {
+  return model_.familiarity().Rank(
+      layer_, FamiliarityScore(AllowedGraph(model_, layer_, mask_), log_density_));
 }
 
 double WindowEmission::LogEvidence() const {
@@ -41,8 +51,8 @@ double WindowEmission::LogEvidence() const {
 
 namespace {
 
-// Returns the log probability that a clip's graph generates the window: eq. 7 with P_o in place of
-// P_s.
+// Returns the log probability that a clip's or unit's graph generates the window: eq. 7 with P_o in
+// place of P_s.
 double ClipLogGeneration(const ClipGraph& graph, const EmissionMatrix& log_density,
                          const RecognizeOptions& options, const Cancelled& cancelled) {
   const auto states = static_cast<Eigen::Index>(graph.nodes.size());
@@ -67,26 +77,20 @@ double ClipLogGeneration(const ClipGraph& graph, const EmissionMatrix& log_densi
 
 }  // namespace
 
-absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int layer,
-                                                       const WindowEmission& emission,
-                                                       const std::vector<int>& clips,
-                                                       const RecognizeOptions& options,
-                                                       const Cancelled& cancelled) {
+absl::StatusOr<std::vector<UnitEvidence>> ScoreGeneration(const Model& model, int layer,
+                                                          const WindowEmission& emission,
+                                                          const LabelUnits& units,
+                                                          const RecognizeOptions& options,
+                                                          const Cancelled& cancelled) {
   const double evidence = emission.LogEvidence();
-  std::vector<ClipScore> scores;
-  for (const int clip : clips) {
-    const double log_generation = ClipLogGeneration(*model.clip_graph(layer, clip),
+  std::vector<UnitEvidence> scores;
+  for (const LabelUnit& unit : units.all()) {
+    const double log_generation = ClipLogGeneration(*UnitGraph(model, layer, unit),
                                                     emission.log_density(), options, cancelled);
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    scores.push_back({clip, log_generation - evidence});
+    scores.push_back({&unit, log_generation - evidence});
   }
   return scores;
-}
-
-void SortByGeneration(std::vector<ClipScore>& scores) {
-  std::stable_sort(scores.begin(), scores.end(), [](const ClipScore& a, const ClipScore& b) {
-    return a.log_probability > b.log_probability;
-  });
 }
 
 }  // namespace motiondb::core

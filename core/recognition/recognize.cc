@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "core/inference/observation.h"
+#include "core/model/clip_mask.h"
+#include "core/model/label_units.h"
 #include "core/motion/error.h"
 #include "core/recognition/clip_generation.h"
 #include "core/recognition/metric_observation.h"
@@ -22,9 +23,9 @@ constexpr Eigen::Index kMaxCells = 1 << 26;
 constexpr std::int64_t kMaxScores = 1 << 23;  // about 40 bytes each
 
 // Checks the number of scores: each window has one for each compared clip and each label.
-absl::Status CheckAnswerSize(const Model& model, bool align, std::int64_t windows) {
-  const std::int64_t clips = std::ssize(model.clips());
-  const std::int64_t labels = static_cast<std::int64_t>(Labels(model).size());
+absl::Status CheckAnswerSize(const Model& model, const ClipMask* mask, std::int64_t labels,
+                             bool align, std::int64_t windows) {
+  const std::int64_t clips = AllowedCount(model, mask);
   const std::int64_t scores =
       labels + (align ? std::min<std::int64_t>(clips, kMaxShortlisted) : clips);
   if (windows * scores <= kMaxScores) return absl::OkStatus();
@@ -35,39 +36,38 @@ absl::Status CheckAnswerSize(const Model& model, bool align, std::int64_t window
       windows, scores);
 }
 
-double FamiliarityByGraph(const Model& model, int layer, const WindowEmission& emission) {
-  return model.familiarity().Rank(
-      layer, FamiliarityScore(model.global_graph(layer), emission.log_density()));
-}
-
 // Sets the window's scores by generation probability.
-absl::Status ScoreByGeneration(const Model& model, const WindowEmission& emission,
-                               const RecognizeOptions& options, const Cancelled& cancelled,
-                               RecognizedWindow& window) {
-  std::vector<int> clips(model.clips().size());
-  std::iota(clips.begin(), clips.end(), 0);
+absl::Status ScoreByGeneration(const Model& model, const LabelUnits& units,
+                               const WindowEmission& emission, const RecognizeOptions& options,
+                               const Cancelled& cancelled, RecognizedWindow& window) {
   MOTIONDB_ASSIGN_OR_RETURN(
-      window.clips, ScoreGeneration(model, window.layer, emission, clips, options, cancelled));
-  window.labels = LabelsByGeneration(model, window.clips);
-  SortByGeneration(window.clips);
-  window.familiarity = FamiliarityByGraph(model, window.layer, emission);
+      std::vector<UnitEvidence> evidence,
+      ScoreGeneration(model, window.layer, emission, units, options, cancelled));
+  window.labels = LabelsByGeneration(units.labels(), evidence);
+  SortByEvidence(evidence);
+  window.clips = ClipsOf(units, evidence);
+  window.other_tracks = OtherTracks(model, units, evidence, 1, 1);
+  window.familiarity = emission.Familiarity();
   return absl::OkStatus();
 }
 
 // Sets the window's scores by alignment with the shortlisted clips. Does not set the familiarity if
 // the model is not calibrated.
-absl::Status ScoreByAlignment(const Model& model, const MetricObservation& observation,
-                              const std::vector<int>& compared, bool whole,
+absl::Status ScoreByAlignment(const Model& model, const LabelUnits& units,
+                              const MetricObservation& observation,
+                              const std::vector<int>& compared, const RecognizeOptions& options,
                               const Cancelled& cancelled, RecognizedWindow& window) {
   MOTIONDB_ASSIGN_OR_RETURN(const WindowAlignment alignment,
-                            AlignWindow(model, observation, compared, {}, whole, cancelled));
-  for (const ClipEvidence& clip : alignment.clips) {
-    window.clips.push_back({clip.clip, clip.log_evidence});
-  }
-  const AnswerCalibration& calibration = model.recognition().Of(whole);
-  LabelAnswer answer = LabelsOrUnknown(model, Labels(model), alignment, calibration);
+                            AlignWindow(model, units, observation, compared, options.mask.get(),
+                                        options.whole, cancelled));
+  window.clips = ClipsOf(units, alignment.units);
+  const AnswerCalibration& calibration = model.recognition().Of(options.whole);
+  LabelAnswer answer = LabelsOrUnknown(units.labels(), alignment, calibration);
   window.labels = std::move(answer.labels);
   window.unknown_probability = answer.unknown_probability;
+  window.other_tracks =
+      OtherTracks(model, units, alignment.units, calibration.weight.At(alignment.frames),
+                  1 - answer.unknown_probability.value_or(0));
   window.familiarity = calibration.FamiliarityRank(alignment.familiarity_score);
   return absl::OkStatus();
 }
@@ -123,14 +123,17 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
                           "memory; use fewer paths, shorter windows or a higher layer",
                           paths, width, model.tree().node_count(layer), layer);
   }
-  MOTIONDB_RETURN_IF_ERROR(CheckAnswerSize(model, align, 1 + (frames - width) / hop));
+  const ClipMask* const mask = options.mask.get();
+  const auto units = UnitsOf(model, options.track, mask);
+  MOTIONDB_RETURN_IF_ERROR(
+      CheckAnswerSize(model, mask, std::ssize(units->labels()), align, 1 + (frames - width) / hop));
 
   MetricObservation in_metric;
   if (align) {
     MOTIONDB_ASSIGN_OR_RETURN(in_metric, MetricObservation::Create(model, scaled, cancelled));
   }
   const int stride = FrameStride(rate);
-  WindowEmission emission(model, layer, scaled, by_graph ? width : 0);
+  WindowEmission emission(model, layer, scaled, by_graph ? width : 0, mask);
   std::vector<RecognizedWindow> windows;
   for (int first = 0; first + width <= frames; first += hop) {
     RecognizedWindow& window = windows.emplace_back();
@@ -140,12 +143,13 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
     if (by_graph) emission.MoveTo(first, cancelled);
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     if (align) {
-      MOTIONDB_RETURN_IF_ERROR(ScoreByAlignment(model, in_metric,
+      MOTIONDB_RETURN_IF_ERROR(ScoreByAlignment(model, *units, in_metric,
                                                 ComparedFrames(first, width, stride, options.whole),
-                                                options.whole, cancelled, window));
-      if (by_graph) window.familiarity = FamiliarityByGraph(model, layer, emission);
+                                                options, cancelled, window));
+      if (by_graph) window.familiarity = emission.Familiarity();
     } else {
-      MOTIONDB_RETURN_IF_ERROR(ScoreByGeneration(model, emission, options, cancelled, window));
+      MOTIONDB_RETURN_IF_ERROR(
+          ScoreByGeneration(model, *units, emission, options, cancelled, window));
     }
   }
   return windows;

@@ -1,6 +1,7 @@
 // Recognizes the behaviour of a motion (sections IV-B, V-B).
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 enum class Generation { kExact, kTopPaths };
@@ -27,6 +29,10 @@ struct RecognizeOptions {
   double transition_floor = 1e-6;
   Generation generation = Generation::kExact;
   int path_count = 5;  // of kTopPaths
+  // Of the labels; empty: kActionTrack. On a track without labels the answer has none.
+  std::string track = {};
+  // Clips to use (core/model/clip_mask.h), made for the model; null: all.
+  std::shared_ptr<const ClipMask> mask = nullptr;
 };
 
 // INVALID_ARGUMENT naming the field if an option is out of range.
@@ -34,10 +40,14 @@ absl::Status CheckOptions(const RecognizeOptions& options);
 
 struct ClipScore {
   int clip = 0;  // index into Model::clips()
-  // Natural logarithm of the probability that the clip generates the window. kPaper: by the clip's
-  // graph; -infinity if transition_floor is 0 and no path exists. kBest: by the clip's sequence of
-  // frames, up to a constant that is the same for all clips of the window.
+  // Natural logarithm of the probability that the part of the clip with one label that matches best
+  // generates the window. kPaper: by its graph; -infinity if transition_floor is 0 and no path
+  // exists. kBest: by its sequence of frames, up to a constant that is the same for all clips of
+  // the window.
   double log_probability = 0;
+  // Of the clip's part that matches best (label_units.h), whose log probability this is; empty if
+  // it has none.
+  std::string label;
 };
 
 struct LabelScore {
@@ -45,13 +55,21 @@ struct LabelScore {
   double probability = 0;
 };
 
+// The labels of another track, from the parts of clips that match the window: the probability that
+// a matching frame has the label there.
+struct TrackAnswer {
+  std::string track;
+  std::vector<LabelScore> labels;  // most probable first
+  double none = 1;                 // no label there, or unknown motion; all sum to 1
+};
+
 struct RecognizedWindow {
   double start_seconds = 0;
   double end_seconds = 0;
   int layer = 0;
-  // Most probable first. kPaper: all clips; kBest: the shortlisted clips, at most 64.
+  // Most probable first. kPaper: all used clips; kBest: the shortlisted clips, at most 64.
   std::vector<ClipScore> clips;
-  std::vector<LabelScore> labels;  // most probable first
+  std::vector<LabelScore> labels;  // of the track asked for, most probable first
   // Probability that the window has none of the labels (unknown.h): with it the probabilities of
   // the labels sum to 1. Absent for kPaper and for models that cannot be calibrated for it
   // (UnknownCalibration): the labels sum to 1 alone.
@@ -60,6 +78,7 @@ struct RecognizedWindow {
   // kPaper: stored windows, under the global graph. kBest: stored windows, each compared without
   // its own clip (as kPaper if the model is not calibrated).
   double familiarity = 0;
+  std::vector<TrackAnswer> other_tracks;  // ascending by track; those of the used clips
 };
 
 // Recognizes the windows of an observation (not scaled; the model's markers and frame rate). A
@@ -68,9 +87,10 @@ struct RecognizedWindow {
 //
 // Method::kPaper: probabilities of clips and labels are generation probabilities; missing markers
 // are ignored. Method::kBest: the 64 clips with nodes nearest to the window (shortlist.h) are
-// compared frame by frame (clip_alignment.h) in the model's metric, with missing markers filled in;
-// a label has the evidence of its best clip, with the calibrated weight. A model without a metric
-// uses kPaper.
+// compared frame by frame (clip_alignment.h) in the model's metric, with missing markers filled in.
+// A clip is compared in parts that have one label, or none, on the track (label_units.h). A label
+// has the evidence of its best part, with the weight that is calibrated on kActionTrack. A model
+// without a metric uses kPaper.
 //
 // INVALID_ARGUMENT if an option is out of range (naming the field) or the observation does not fit
 // the model; CANCELLED.

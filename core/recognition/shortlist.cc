@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/model/clip_mask.h"
 #include "core/model/even_spread.h"
 #include "core/model/frame_pairs.h"
 #include "core/model/model.h"
@@ -60,11 +61,8 @@ void ClipRanking::Add(const std::vector<NearClip>& near) {
   }
 }
 
-std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
-  std::vector<int> shortlist;
-  for (const int clip : found_) {
-    if (left_out.empty() || !left_out[clip]) shortlist.push_back(clip);
-  }
+std::vector<int> ClipRanking::TakeShortlist(const ClipMask* mask) {
+  std::vector<int> shortlist = found_;
   const auto kept = std::min(kMaxShortlisted, shortlist.size());
   std::partial_sort(
       shortlist.begin(), shortlist.begin() + static_cast<std::ptrdiff_t>(kept), shortlist.end(),
@@ -73,7 +71,7 @@ std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
   // Fill a short list with other clips: comparing more clips costs little.
   for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMaxShortlisted;
        ++clip) {
-    if (!is_found_[clip] && (left_out.empty() || !left_out[clip])) shortlist.push_back(clip);
+    if (!is_found_[clip] && Allows(mask, clip)) shortlist.push_back(clip);
   }
   for (const int clip : found_) {
     nearer_[clip] = 0;
@@ -84,10 +82,10 @@ std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
 }
 
 std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
-                                const FrameMatrix& observed, const std::vector<bool>& left_out) {
-  const ClipIndex& index = model.clip_index();
+                                const FrameMatrix& observed, const ClipMask* mask) {
   const auto clip_count = static_cast<int>(model.clips().size());
-  if (ListsAll(clip_count)) return ClipRanking(clip_count).TakeShortlist(left_out);
+  if (ListsAll(AllowedCount(model, mask))) return ClipRanking(clip_count).TakeShortlist(mask);
+  const ClipIndex& index = AllowedIndex(model, mask);
   const FrameMatrix frames =
       observed(ShortlistFrames(static_cast<int>(observed.rows())), Eigen::all);
   const FrameMatrix own_means =
@@ -102,7 +100,7 @@ std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
     finder.Find(distances.row(t), near);
     ranking.Add(near);
   }
-  return ranking.TakeShortlist(left_out);
+  return ranking.TakeShortlist(mask);
 }
 
 }  // namespace motiondb::core

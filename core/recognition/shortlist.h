@@ -11,6 +11,7 @@
 
 namespace motiondb::core {
 
+class ClipMask;
 class Model;
 
 // Maximum number of clips in a shortlist.
@@ -20,13 +21,13 @@ inline constexpr std::size_t kMaxShortlisted = 64;
 // of a clip is the mean, over at most 24 evenly spread frames, of the squared distance to the
 // nearest of its node means. Only the 64 nodes nearest to a frame are searched; a clip in none of
 // them gets the distance of the 64th node. Noise increases all distances by about the same amount,
-// so it hardly changes the order. Clips with `left_out[clip]` are excluded; `left_out` may be
-// empty. If at most 64 clips remain, all are listed in their order, and the nodes are not searched.
+// so it hardly changes the order. Only clips that `mask` allows (null: all) and the nodes that
+// contain their frames count. If these are at most 64 clips, all are listed in their order, and the
+// nodes are not searched.
 // `own`: the metric; null: the metric of the model. Cost: independent of the number of clips,
 // except for those found in the searched nodes.
 std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
-                                const FrameMatrix& observed,
-                                const std::vector<bool>& left_out = {});
+                                const FrameMatrix& observed, const ClipMask* mask = nullptr);
 
 // The steps of ShortlistClips, for windows that share frames:
 
@@ -37,7 +38,7 @@ struct NearClip {
   float nearer = 0;
 };
 
-// Returns whether a shortlist always has all of `clip_count` clips.
+// Returns whether a shortlist always has all of `clip_count` allowed clips.
 bool ListsAll(int clip_count);
 
 // Returns the indices of the searched frames among `frames` frames, ascending.
@@ -65,8 +66,8 @@ class ClipRanking {
   // Adds the clips of one frame.
   void Add(const std::vector<NearClip>& near);
   // Returns the shortlist of the added frames and clears the ranking. If all clips are listed
-  // (ListsAll), no frames need to be added.
-  std::vector<int> TakeShortlist(const std::vector<bool>& left_out);
+  // (ListsAll), no frames need to be added. The added clips are allowed by `mask`.
+  std::vector<int> TakeShortlist(const ClipMask* mask);
 
  private:
   std::vector<float> nearer_;  // summed over the frames

@@ -64,12 +64,12 @@ std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& bes
           Bounded(best.log_odds, kOddsBound)};
 }
 
-LabelAnswer LabelsOrUnknown(const Model& model, const std::vector<std::string>& labels,
+LabelAnswer LabelsOrUnknown(const std::vector<std::string>& labels,
                             const WindowAlignment& alignment,
                             const AnswerCalibration& calibration) {
-  const std::vector<double> evidence = LabelEvidence(model, labels, alignment.clips);
+  const std::vector<double> evidence = LabelEvidence(labels.size(), alignment.units);
   LabelAnswer answer;
-  if (calibration.unknown) {
+  if (calibration.unknown && !labels.empty()) {
     const BestLabel best = FindBestLabel(evidence, alignment, calibration.weight);
     answer.unknown_probability = UnknownProbability(*calibration.unknown, labels[best.label], best);
   }

@@ -13,8 +13,6 @@
 
 namespace motiondb::core {
 
-class Model;
-
 // What an alignment says about the most probable label.
 struct BestLabel {
   std::size_t label = 0;  // index into the labels
@@ -42,13 +40,14 @@ std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& bes
 struct LabelAnswer {
   std::vector<LabelScore> labels;  // most probable first
   // Probability that the window has none of the labels. With it the probabilities of the labels sum
-  // to 1. Absent if the calibration has no UnknownModel: they then sum to 1 alone.
+  // to 1. Absent if the calibration has no UnknownModel: they then sum to 1 alone. Absent without
+  // labels, too.
   std::optional<double> unknown_probability;
 };
 
-// Returns the probabilities of `labels` (Labels(model)), given the window. "Unknown" counts as one
-// more label: before the observation all have equal probabilities.
-LabelAnswer LabelsOrUnknown(const Model& model, const std::vector<std::string>& labels,
+// Returns the probabilities of `labels` (LabelUnits::labels), given the window. "Unknown"
+// counts as one more label: before the observation all have equal probabilities.
+LabelAnswer LabelsOrUnknown(const std::vector<std::string>& labels,
                             const WindowAlignment& alignment, const AnswerCalibration& calibration);
 
 }  // namespace motiondb::core

@@ -5,8 +5,11 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string_view>
 
 #include "core/inference/lattice.h"
+#include "core/model/label_units.h"
+#include "core/model/model.h"
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/noise_energy.h"
 #include "core/recognition/shortlist.h"
@@ -32,13 +35,12 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
                                  static_cast<double>(whitened.size()));
 }
 
-// Returns the strided frames of one clip, projected with `metric`.
-MetricFrames ProjectClip(const Model& model, const MotionMetric& metric, int clip) {
-  const StridedFrames& all = model.metric_frames().rows;
+// Returns the strided frames of one unit, projected with `metric`.
+MetricFrames ProjectRows(const Model& model, const MotionMetric& metric, RowRange rows) {
+  const auto first = model.metric_frames().rows.frame.begin() + rows.first;
   MetricFrames frames;
-  frames.rows.frame.assign(all.frame.begin() + all.begin[clip],
-                           all.frame.begin() + all.begin[clip + 1]);
-  frames.rows.begin = {0, all.count(clip)};
+  frames.rows.frame.assign(first, first + rows.count);
+  frames.rows.begin = {0, rows.count};
   frames.projected = SharedRows(Project(metric, model.states()(frames.rows.frame, Eigen::all)));
   frames.squared_norms = frames.projected.view().rowwise().squaredNorm();
   return frames;
@@ -82,17 +84,17 @@ double FamiliarityOfDifference(double mean_square) {
   return -std::log(std::max(mean_square, kMinDifference));
 }
 
-void SortByEvidence(std::vector<ClipEvidence>& clips) {
-  std::stable_sort(clips.begin(), clips.end(), [](const ClipEvidence& a, const ClipEvidence& b) {
+void SortByEvidence(std::vector<UnitEvidence>& units) {
+  std::stable_sort(units.begin(), units.end(), [](const UnitEvidence& a, const UnitEvidence& b) {
     return a.log_evidence > b.log_evidence;
   });
 }
 
-absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
+absl::StatusOr<WindowAlignment> AlignWindow(const Model& model, const LabelUnits& units,
                                             const MetricObservation& observation,
-                                            const std::vector<int>& compared,
-                                            const std::vector<bool>& left_out, bool anchored,
-                                            const Cancelled& cancelled) {
+                                            const std::vector<int>& compared, const ClipMask* mask,
+                                            bool anchored, const Cancelled& cancelled,
+                                            int left_out_label) {
   const FrameMatrix observed = observation.projected(compared, Eigen::all);
   std::vector<NearestFrame> nearest(compared.size(), {std::numeric_limits<float>::infinity(), 0});
   ClipAligner aligner(observed, anchored);
@@ -101,73 +103,79 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
   window.energy = observed.rowwise().squaredNorm().mean();
   window.noise = NoiseEnergy(
       observation.projected.middleRows(compared.front(), compared.back() - compared.front()));
-  for (const int clip : ShortlistClips(model, observation.own.get(), observed, left_out)) {
-    const double log_evidence =
-        observation.own == nullptr
-            ? aligner.Align(model.metric_frames(), clip, nearest, cancelled)
-            : aligner.Align(ProjectClip(model, *observation.own, clip), 0, nearest, cancelled);
-    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    window.clips.push_back({clip, log_evidence});
+  for (const int clip : ShortlistClips(model, observation.own.get(), observed, mask)) {
+    for (const LabelUnit& unit : units.of_clip(clip)) {
+      if (unit.label >= 0 && unit.label == left_out_label) continue;
+      const double log_evidence =
+          observation.own == nullptr
+              ? aligner.Align(model.metric_frames(), unit.rows, nearest, cancelled)
+              : aligner.Align(ProjectRows(model, *observation.own, unit.rows), {0, unit.rows.count},
+                              nearest, cancelled);
+      if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+      window.units.push_back({&unit, log_evidence});
+    }
   }
-  SortByEvidence(window.clips);
+  SortByEvidence(window.units);
   window.familiarity_score = FamiliarityScore(model, observation, compared, nearest);
   return window;
 }
 
 namespace {
 
+void SortByProbability(std::vector<LabelScore>& scores) {
+  std::stable_sort(scores.begin(), scores.end(), [](const LabelScore& a, const LabelScore& b) {
+    return a.probability > b.probability;
+  });
+}
+
 // Returns probabilities proportional to exp(logs), most probable first.
 std::vector<LabelScore> Normalized(const std::vector<std::string>& labels,
                                    const std::vector<double>& logs) {
-  const double all = LogSum(logs);
   std::vector<LabelScore> scores;
+  if (labels.empty()) return scores;
+  const double all = LogSum(logs);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     scores.push_back({labels[i], std::isfinite(all) ? std::exp(logs[i] - all)
                                                     : 1 / static_cast<double>(labels.size())});
   }
-  std::stable_sort(scores.begin(), scores.end(), [](const LabelScore& a, const LabelScore& b) {
-    return a.probability > b.probability;
-  });
+  SortByProbability(scores);
   return scores;
 }
 
 }  // namespace
 
-std::vector<LabelScore> LabelsByGeneration(const Model& model,
-                                           const std::vector<ClipScore>& clips) {
-  std::map<std::string, std::vector<double>> logs;
-  for (const ClipScore& score : clips) {
-    logs[model.clips()[score.clip].label].push_back(score.log_probability);
+std::vector<ClipScore> ClipsOf(const LabelUnits& units, const std::vector<UnitEvidence>& evidence) {
+  std::vector<ClipScore> clips;
+  std::set<int> listed;
+  for (const auto& [unit, log_evidence] : evidence) {
+    if (!listed.insert(unit->clip).second) continue;
+    clips.push_back({unit->clip, log_evidence, units.NameOf(unit->label)});
   }
-  std::vector<std::string> labels;
+  return clips;
+}
+
+std::vector<LabelScore> LabelsByGeneration(const std::vector<std::string>& labels,
+                                           const std::vector<UnitEvidence>& units) {
+  std::vector<std::vector<double>> logs(labels.size());
+  for (const auto& [unit, log_probability] : units) {
+    if (unit->label >= 0) logs[unit->label].push_back(log_probability);
+  }
   std::vector<double> evidence;
-  for (const auto& [label, of_clips] : logs) {
-    labels.push_back(label);
-    evidence.push_back(LogSum(of_clips) - std::log(static_cast<double>(of_clips.size())));
+  for (const std::vector<double>& of_units : logs) {
+    evidence.push_back(LogSum(of_units) - std::log(static_cast<double>(of_units.size())));
   }
   return Normalized(labels, evidence);
 }
 
-std::vector<std::string> Labels(const Model& model) {
-  std::set<std::string> labels;
-  for (const ModelClip& clip : model.clips()) labels.insert(clip.label);
-  return {labels.begin(), labels.end()};
-}
-
-std::size_t LabelIndex(const Model& model, const std::vector<std::string>& labels, int clip) {
-  const auto at = std::ranges::lower_bound(labels, model.clips()[clip].label);
-  return static_cast<std::size_t>(at - labels.begin());
-}
-
-std::vector<double> LabelEvidence(const Model& model, const std::vector<std::string>& labels,
-                                  const std::vector<ClipEvidence>& clips) {
+std::vector<double> LabelEvidence(std::size_t label_count, const std::vector<UnitEvidence>& units) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
-  std::vector<double> evidence(labels.size(), kNone);
+  std::vector<double> evidence(label_count, kNone);
   double lowest = -kNone;
-  for (const ClipEvidence& clip : clips) {
-    double& of_label = evidence[LabelIndex(model, labels, clip.clip)];
-    of_label = std::max(of_label, clip.log_evidence);
-    lowest = std::min(lowest, clip.log_evidence);
+  for (const auto& [unit, log_evidence] : units) {
+    if (unit->label >= 0) {
+      evidence[unit->label] = std::max(evidence[unit->label], log_evidence);
+    }
+    lowest = std::min(lowest, log_evidence);
   }
   std::replace(evidence.begin(), evidence.end(), kNone, lowest);
   return evidence;
@@ -177,6 +185,40 @@ std::vector<LabelScore> LabelsByAlignment(const std::vector<std::string>& labels
                                           std::vector<double> evidence, double weight) {
   for (double& log : evidence) log *= weight;
   return Normalized(labels, evidence);
+}
+
+std::vector<TrackAnswer> OtherTracks(const Model& model, const LabelUnits& units,
+                                     const std::vector<UnitEvidence>& evidence, double weight,
+                                     double known) {
+  std::vector<TrackAnswer> answers;
+  if (units.other_tracks().empty()) return answers;
+  std::vector<double> logs;
+  for (const UnitEvidence& unit : evidence) logs.push_back(weight * unit.log_evidence);
+  const double all = LogSum(logs);
+  for (const std::string& track : units.other_tracks()) {
+    std::map<std::string_view, double> probabilities;
+    for (std::size_t u = 0; u < evidence.size() && std::isfinite(all); ++u) {
+      const LabelUnit& unit = *evidence[u].unit;
+      const ModelClip& clip = model.clips()[unit.clip];
+      const int first = unit.first_frame - clip.first_frame;
+      for (const LabelSpan& span : clip.labels.Of(track)) {
+        const int shared = std::min(first + unit.frame_count, span.first_frame + span.frame_count) -
+                           std::max(first, span.first_frame);
+        if (shared <= 0) continue;
+        probabilities[span.label] += known * std::exp(logs[u] - all) * shared / unit.frame_count;
+      }
+    }
+    TrackAnswer& answer = answers.emplace_back();
+    answer.track = track;
+    answer.none = 1;
+    for (const auto& [label, probability] : probabilities) {
+      answer.labels.push_back({std::string(label), probability});
+      answer.none -= probability;
+    }
+    answer.none = std::max(0.0, answer.none);
+    SortByProbability(answer.labels);
+  }
+  return answers;
 }
 
 }  // namespace motiondb::core

@@ -1,4 +1,4 @@
-// Alignment of one window with stored clips, and label probabilities from it.
+// Alignment of one window with stored units, and label probabilities from it.
 #pragma once
 
 #include <string>
@@ -11,15 +11,18 @@
 
 namespace motiondb::core {
 
+class ClipMask;
+class LabelUnits;
+struct LabelUnit;
 class Model;
 
-struct ClipEvidence {
-  int clip = 0;             // index into Model::clips()
+struct UnitEvidence {
+  const LabelUnit* unit = nullptr;
   double log_evidence = 0;  // natural logarithm, sum over the frames
 };
 
 struct WindowAlignment {
-  std::vector<ClipEvidence> clips;  // in descending order of evidence
+  std::vector<UnitEvidence> units;  // in descending order of evidence
   int frames = 0;                   // number of compared frames
   double energy = 0;  // mean over the frames of the squared distance from the metric's mean
   double noise = 0;   // part of each frame's squared distances that is noise (noise_energy.h)
@@ -29,7 +32,7 @@ struct WindowAlignment {
 };
 
 // Sorts by descending evidence; stable.
-void SortByEvidence(std::vector<ClipEvidence>& clips);
+void SortByEvidence(std::vector<UnitEvidence>& units);
 
 // Returns the familiarity score of a mean squared whitened difference.
 double FamiliarityOfDifference(double mean_square);
@@ -40,32 +43,39 @@ double FamiliarityOfDifference(double mean_square);
 Eigen::RowVectorXf NearestState(const Model& model, int nearest,
                                 const Eigen::Ref<const Eigen::RowVectorXf>& state);
 
-// Aligns the observation's frames `compared` (ComparedFrames) with each shortlisted clip.
-// `anchored` as for AlignToClip. CANCELLED. REQUIRES: at least one clip is not left out.
-absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
+// Aligns the observation's frames `compared` (ComparedFrames) with the units of each shortlisted
+// clip, except those of `left_out_label`. `mask`: the clips to use, with units in `units`; null:
+// all. `anchored` as for AlignToClip. CANCELLED. REQUIRES: a unit remains.
+absl::StatusOr<WindowAlignment> AlignWindow(const Model& model, const LabelUnits& units,
                                             const MetricObservation& observation,
-                                            const std::vector<int>& compared,
-                                            const std::vector<bool>& left_out, bool anchored,
-                                            const Cancelled& cancelled);
+                                            const std::vector<int>& compared, const ClipMask* mask,
+                                            bool anchored, const Cancelled& cancelled,
+                                            int left_out_label = -1);
+
+// Returns the clips of the units, in the order of their best units.
+std::vector<ClipScore> ClipsOf(const LabelUnits& units, const std::vector<UnitEvidence>& evidence);
 
 // Returns P(label | window) by generation probabilities (kPaper), with a uniform prior over the
-// labels and over the clips of a label. Uniform if no clip can generate the window. Most probable
+// labels and over the units of a label. Uniform if no unit can generate the window. Most probable
 // first.
-std::vector<LabelScore> LabelsByGeneration(const Model& model, const std::vector<ClipScore>& clips);
+std::vector<LabelScore> LabelsByGeneration(const std::vector<std::string>& labels,
+                                           const std::vector<UnitEvidence>& units);
 
-// Returns the distinct labels of a model's clips, in alphabetical order.
-std::vector<std::string> Labels(const Model& model);
-// Returns the index of a clip's label in Labels(model).
-std::size_t LabelIndex(const Model& model, const std::vector<std::string>& labels, int clip);
+// Returns for each of `label_count` labels the evidence of its best aligned unit. A label without
+// an aligned unit gets the lowest evidence of all aligned units, because the shortlist may have
+// missed it.
+std::vector<double> LabelEvidence(std::size_t label_count, const std::vector<UnitEvidence>& units);
 
-// Returns for each label the evidence of its best aligned clip. A label without an aligned clip
-// gets the lowest evidence of the aligned clips, because the shortlist may have missed it.
-std::vector<double> LabelEvidence(const Model& model, const std::vector<std::string>& labels,
-                                  const std::vector<ClipEvidence>& clips);
-
-// Returns P(label | window) by alignment: proportional to exp(weight * evidence). `labels`:
-// Labels(model); `evidence`: their LabelEvidence. Most probable first.
+// Returns P(label | window) by alignment: proportional to exp(weight * evidence). `evidence`:
+// LabelEvidence of `labels`. Most probable first.
 std::vector<LabelScore> LabelsByAlignment(const std::vector<std::string>& labels,
                                           std::vector<double> evidence, double weight);
+
+// Returns the labels of the other tracks. A unit has a probability proportional to exp(weight *
+// evidence), all units together `known`; it is divided among the labels that its frames have on a
+// track, by their numbers of frames, and no label.
+std::vector<TrackAnswer> OtherTracks(const Model& model, const LabelUnits& units,
+                                     const std::vector<UnitEvidence>& evidence, double weight,
+                                     double known);
 
 }  // namespace motiondb::core

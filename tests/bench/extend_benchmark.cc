@@ -61,7 +61,7 @@ class ServedDatabase {
   const server::Snapshot& model() const { return *live_->lifecycle().snapshot(); }
 
   void Extend() {
-    live_->lifecycle().RequestExtension();
+    live_->lifecycle().RequestUpdate();
     executor_.RunUntil(executor_.Now());
   }
 

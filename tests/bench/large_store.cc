@@ -73,7 +73,7 @@ absl::Status AddClips(storage::MotionStore& store, std::vector<core::BuildInput>
     clip.file_bytes = fmt::format("{}: {}\n", input.clip_id, kVariedMotion);
     clip.record = {.database = kLargeDatabase,
                    .id = input.clip_id,
-                   .label = input.label,
+                   .label = input.label(),
                    .subject = input.subject,
                    .file_name = input.clip_id + ".bvh",
                    .frame_count = input.states.frame_count(),

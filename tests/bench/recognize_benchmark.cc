@@ -84,7 +84,7 @@ absl::StatusOr<std::vector<Window>> Windows(const VariedSize& stored, int count,
     windows.push_back({{clip.states.frame_rate_hz, clip.states.leg_length_m,
                         clip.states.states.middleRows(first, length),
                         clip.states.root_path.middleRows(first, length)},
-                       clip.label});
+                       clip.label()});
   }
   return windows;
 }
@@ -116,7 +116,7 @@ void Search(const core::Model& model, const Window& window, Answers& answers) {
                          nearest = FindNearestWindow(model.states(), model.clips(), frames,
                                                      core::RunSerially);
                        }));
-  answers.right += model.clips()[nearest.clip].label == window.label;
+  answers.right += model.clips()[nearest.clip].label() == window.label;
 }
 
 absl::StatusOr<BenchTable> Run(const Options& options) {

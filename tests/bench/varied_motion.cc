@@ -167,7 +167,7 @@ absl::Status VaryClip(const Source& source, int clip, int frames, double frame_r
     heading += step[2];
   }
   input.clip_id = fmt::format("varied-{:05}", clip);
-  input.label = takes[first].label;
+  input.labels = takes[first].label;
   input.subject = takes[first].subject;
   MOTIONDB_ASSIGN_OR_RETURN(input.states, core::ComputeStates(set, motion));
   return absl::OkStatus();

@@ -29,7 +29,7 @@ TEST_CASE("Varied motion: the requested number of clips and frames, all finite",
   for (const core::BuildInput& clip : clips) {
     frames += clip.states.frame_count();
     ids.insert(clip.clip_id);
-    labels.insert(clip.label);
+    labels.insert(clip.label());
     REQUIRE(clip.states.states.cols() == 204);
     REQUIRE(clip.states.root_path.rows() == clip.states.states.rows());
     REQUIRE(clip.states.states.allFinite());
@@ -47,7 +47,7 @@ TEST_CASE("Varied motion: depends on the seed, not on threads", "[bench]") {
   const std::vector<core::BuildInput> again = Clips(size, 7, 2);
   const std::vector<core::BuildInput> other = Clips(size, 8);
   for (std::size_t c = 0; c < clips.size(); ++c) {
-    CHECK(clips[c].label == again[c].label);
+    CHECK(clips[c].label() == again[c].label());
     CHECK(clips[c].states.states == again[c].states.states);
     CHECK(clips[c].states.root_path == again[c].states.root_path);
     CHECK_FALSE(clips[c].states.states.row(0).isApprox(other[c].states.states.row(0), 1e-3f));
@@ -78,7 +78,7 @@ TEST_CASE("Varied motion: joins are as smooth as the recordings", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
   // Recorded markers stay below 40 leg lengths per second, varied speed included.
   for (const core::BuildInput& clip : Clips({.clips = 300, .frames = 60'000}, 5)) {
-    INFO(clip.clip_id << " " << clip.label);
+    INFO(clip.clip_id << " " << clip.label());
     for (int m = 0; m < 34; ++m) {
       REQUIRE(clip.states.states.middleCols<3>(6 * m + 3).rowwise().norm().maxCoeff() < 40);
     }
@@ -91,7 +91,7 @@ TEST_CASE("Varied motion: clips from one recording differ in every frame", "[ben
   // The next clip from the same recording as clip 0: one round of recordings later.
   std::size_t same = 1;
   const auto alike = [&](std::size_t c) {
-    return clips[c].label == clips[0].label && clips[c].subject == clips[0].subject;
+    return clips[c].label() == clips[0].label() && clips[c].subject == clips[0].subject;
   };
   while (same < clips.size() && !(same > 100 && alike(same))) ++same;
   REQUIRE(same < clips.size());

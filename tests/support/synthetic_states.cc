@@ -39,7 +39,7 @@ std::vector<core::BuildInput> WanderingClips(int clips, int frames, const core::
   for (int c = 0; c < clips; ++c) {
     core::BuildInput& input = inputs.emplace_back();
     input.clip_id = "clip" + std::to_string(c);
-    input.label = c % 2 == 0 ? "a" : "b";
+    input.labels = c % 2 == 0 ? "a" : "b";
     input.states.frame_rate_hz = frame_rate_hz;
     input.states.leg_length_m = 0.9;
     input.states.states =

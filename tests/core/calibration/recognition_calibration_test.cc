@@ -11,6 +11,7 @@
 #include "core/calibration/calibrate.h"
 #include "core/calibration/held_out.h"
 #include "core/calibration/trials.h"
+#include "core/model/label_units.h"
 #include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"
 
@@ -26,7 +27,7 @@ std::vector<core::BuildInput> AlikeClips(int clips, const core::MarkerSet& set, 
     core::FrameMatrix& states = inputs[c].states.states;
     states = WanderingStates(96, set.dimension_count(), 77);
     const auto label = c % 3;
-    inputs[c].label = std::string(1, static_cast<char>('a' + label));
+    inputs[c].labels = std::string(1, static_cast<char>('a' + label));
     inputs[c].subject = "subject " + std::to_string(c % 4);
     states.col(static_cast<Eigen::Index>(label)).array() += 1;
     for (Eigen::Index d = 0; d < states.cols(); ++d) {
@@ -68,13 +69,14 @@ Reliability Judge(const core::Model& model, const std::vector<core::BuildInput>&
       // All inputs are known: probabilities given that.
       const double known = 1 - window.unknown_probability.value_or(0);
       for (const auto& label : window.labels) {
-        if (label.label == input.label)
+        if (label.label == input.label())
           loss -= std::log(std::max(label.probability / known, 1e-300));
       }
       const auto& first = window.labels.front();
       const double probability = first.probability / known;
       const int bin = std::min(9, static_cast<int>(10 * probability));
-      surplus[static_cast<std::size_t>(bin)] += probability - (first.label == input.label ? 1 : 0);
+      surplus[static_cast<std::size_t>(bin)] +=
+          probability - (first.label == input.label() ? 1 : 0);
       ++count;
     }
   }
@@ -175,7 +177,7 @@ std::vector<core::BuildInput> ClipsAround(const std::vector<int>& labels,
         }
         core::BuildInput input;
         input.clip_id = fmt::format("{}-{}-{}", label, subject, take);
-        input.label = fmt::format("label {}", label);
+        input.labels = fmt::format("label {}", label);
         input.subject = fmt::format("subject {}", subject);
         input.states = WanderingClips(1, 96, set, 1, kAroundRateHz).front().states;
         input.states.states = states;
@@ -276,37 +278,41 @@ TEST_CASE("LeftOutWith: all clips of the subject, if other subjects have the lab
   const char* const labels[] = {"a", "a", "b", "b", "a"};
   const char* const subjects[] = {"x", "x", "x", "x", "y"};
   for (std::size_t c = 0; c < 5; ++c) {
-    inputs[c].label = labels[c];
+    inputs[c].labels = labels[c];
     inputs[c].subject = subjects[c];
   }
   const core::Model model = ModelOf(inputs, set);
-  CHECK(core::LeftOutWith(model, 0) == std::vector<bool>{true, true, true, true, false});
-  CHECK(core::LeftOutWith(model, 2) == std::vector<bool>{false, false, true, false, false});
-  CHECK(core::LeftOutWith(model, 4) == std::vector<bool>{false, false, false, false, true});
+  const auto left_out_with = [](const core::Model& of, int clip) {
+    return core::LeftOutWith(of, of.action_units()->all()[clip]);
+  };
+  CHECK(left_out_with(model, 0) == std::vector<bool>{true, true, true, true, false});
+  CHECK(left_out_with(model, 2) == std::vector<bool>{false, false, true, false, false});
+  CHECK(left_out_with(model, 4) == std::vector<bool>{false, false, false, false, true});
   for (core::BuildInput& input : inputs) input.subject.clear();
-  CHECK(core::LeftOutWith(ModelOf(inputs, set), 0) ==
+  CHECK(left_out_with(ModelOf(inputs, set), 0) ==
         std::vector<bool>{true, false, false, false, false});
 }
 
-TEST_CASE("SampleClips: in proportion to labels and subjects, in any order of the clips",
+TEST_CASE("SampleUnits: in proportion to labels and subjects, in any order of the clips",
           "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   std::vector<core::BuildInput> inputs = WanderingClips(40, 30, set, 1);
   for (std::size_t c = 0; c < inputs.size(); ++c) {
-    inputs[c].label = c % 8 == 0 ? "rare" : c % 2 == 0 ? "often" : "most";
+    inputs[c].labels = c % 8 == 0 ? "rare" : c % 2 == 0 ? "often" : "most";
     inputs[c].subject = c < 20 ? "x" : "y";
   }
   const core::Model model = ModelOf(inputs, set);
   std::map<std::string, int> counts;
-  const std::vector<int> sample = core::SampleClips(model, 8);
+  const std::vector<core::LabelUnit> sample = core::SampleUnits(model, 8);
   REQUIRE(sample.size() == 8);
-  for (const int clip : sample) {
-    ++counts[model.clips()[clip].label];
-    ++counts[model.clips()[clip].subject];
+  for (const core::LabelUnit& unit : sample) {
+    ++counts[model.clips()[unit.clip].label()];
+    ++counts[model.clips()[unit.clip].subject];
   }
   CHECK(counts ==
         std::map<std::string, int>{{"rare", 1}, {"often", 3}, {"most", 4}, {"x", 5}, {"y", 3}});
-  std::vector<int> all = core::SampleClips(model, 100);
+  std::vector<int> all;
+  for (const core::LabelUnit& unit : core::SampleUnits(model, 100)) all.push_back(unit.clip);
   std::ranges::sort(all);
   CHECK(std::ranges::adjacent_find(all) == all.end());
   CHECK(all.size() == 40);

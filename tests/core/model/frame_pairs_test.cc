@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "tests/support/synthetic_states.h"
 
@@ -12,10 +13,11 @@ namespace {
 
 using core::IndexPair;
 
-std::vector<core::ModelClip> ClipsOf(const std::vector<std::string>& labels) {
+// Returns one unit for each label; empty: no label.
+std::vector<core::LabelUnit> UnitsOf(const std::vector<std::string>& labels) {
   std::vector<core::ModelClip> clips;
   for (const std::string& label : labels) clips.push_back({"", label, 0, 1, 1, ""});
-  return clips;
+  return core::LabelUnits(clips, 60, core::kActionTrack).all();
 }
 
 double Cost(const core::FrameMatrix& observed, const core::FrameMatrix& reference, int i, int j) {
@@ -69,15 +71,16 @@ TEST_CASE("AlignFrames: a motion is aligned with itself frame by frame", "[core]
   for (int i = 0; i < 40; ++i) CHECK(pairs[i] == IndexPair{i, i});
 }
 
-TEST_CASE("ClipPairs: pairs clips of one label, each with at most eight references",
+TEST_CASE("UnitPairs: pairs units of one label, each with at most eight references",
           "[core][model]") {
-  CHECK(core::ClipPairs(ClipsOf({"a", "b", "c"})).empty());
-  CHECK(core::ClipPairs(ClipsOf({"a", "b", "a"})) == std::vector<IndexPair>{{0, 2}, {2, 0}});
+  CHECK(core::UnitPairs(UnitsOf({"a", "b", "c"})).empty());
+  CHECK(core::UnitPairs(UnitsOf({"", "", "c"})).empty());
+  CHECK(core::UnitPairs(UnitsOf({"a", "b", "a"})) == std::vector<IndexPair>{{0, 2}, {2, 0}});
 
   std::vector<std::string> labels(1000, "many");
   labels[3] = labels[500] = "two";
   labels[7] = "one";
-  const auto pairs = core::ClipPairs(ClipsOf(labels));
+  const auto pairs = core::UnitPairs(UnitsOf(labels));
   std::set<int> observed;
   std::set<std::pair<int, int>> different;
   for (const IndexPair& pair : pairs) {

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/model/frame_pairs.h"
+#include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
 #include "tests/support/synthetic_states.h"
 
@@ -26,7 +27,7 @@ Eigen::MatrixXd WithinBehaviours(const core::Model& model) {
   const Eigen::Index dimensions = model.states().cols();
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(dimensions, dimensions);
   double count = 0;
-  for (const auto& clips : core::ClipPairs(model.clips())) {
+  for (const auto& clips : core::UnitPairs(model.action_units()->all())) {
     const core::FrameMatrix a = frames_of(clips.observed);
     const core::FrameMatrix b = frames_of(clips.reference);
     for (const auto& pair : core::AlignFrames(a, b)) {

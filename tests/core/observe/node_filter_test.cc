@@ -50,7 +50,7 @@ TEST_CASE("NodeFilter: with all nodes it equals LastNodeDistribution, on every l
   const core::FrameMatrix observation = Observation(model, 60);
   for (int layer = 1; layer <= model.layer_count(); ++layer) {
     for (const double floor : {1e-6, 0.01}) {
-      core::NodeFilter filter(model, layer, floor, 0);
+      core::NodeFilter filter(model, layer, floor, nullptr, 0);
       for (Eigen::Index t = 0; t < observation.rows(); ++t) {
         const core::NodeState ahead = filter.Peek(observation.row(t).data());
         filter.Advance(observation.row(t).data());
@@ -71,7 +71,7 @@ TEST_CASE("NodeFilter: the beam approximates the result with all nodes", "[core]
   const core::Model model = PointModel(3, 3);
   const core::FrameMatrix observation = Observation(model, 120);
   core::NodeFilter beam(model, model.layer_count(), 1e-6);
-  core::NodeFilter all(model, model.layer_count(), 1e-6, 0);
+  core::NodeFilter all(model, model.layer_count(), 1e-6, nullptr, 0);
   double apart = 0;
   for (Eigen::Index t = 0; t < observation.rows(); ++t) {
     beam.Advance(observation.row(t).data());

@@ -47,7 +47,7 @@ core::Model PointModel(int labels, int clips_each, bool calibrated) {
     for (int clip = 0; clip < clips_each; ++clip) {
       core::BuildInput& input = inputs.emplace_back();
       input.clip_id = "clip" + std::to_string(inputs.size());
-      input.label = std::string(1, static_cast<char>('a' + label));
+      input.labels = std::string(1, static_cast<char>('a' + label));
       input.states =
           PointStates(PointMotion(150, static_cast<unsigned>(label), static_cast<unsigned>(clip)));
     }

@@ -22,7 +22,7 @@ TEST_CASE("MeasureExtrapolation: the window that is least like stored motion", "
   core::Model model = SmallModel(4, 120, 2, 8, 1);
   core::PlannedMotion motion = Played(states, set);
   const auto measure = [&] {
-    return core::MeasureExtrapolation(model, set, states.leg_length_m, {}, motion);
+    return core::MeasureExtrapolation(model, set, nullptr, states.leg_length_m, {}, motion);
   };
   REQUIRE(measure().ok());
   CHECK_FALSE(motion.quality.unknown.has_value());  // not calibrated
@@ -45,7 +45,7 @@ TEST_CASE("MeasureExtrapolation: the window that is least like stored motion", "
   core::PlannedMotion one_frame = motion;
   one_frame.quality.unknown.reset();
   one_frame.markers.positions_m.conservativeResize(1, Eigen::NoChange);
-  REQUIRE(core::MeasureExtrapolation(model, set, 1, {}, one_frame).ok());
+  REQUIRE(core::MeasureExtrapolation(model, set, nullptr, 1, {}, one_frame).ok());
   CHECK_FALSE(one_frame.quality.unknown.has_value());
 }
 

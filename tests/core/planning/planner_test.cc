@@ -153,11 +153,11 @@ TEST_CASE("Plan: alternatives are other motions to the same goal", "[planning]")
 TEST_CASE("Plan: only clips with allowed labels are played", "[planning]") {
   const Model& model = WalkingDatabase();
   PlanProblem problem = Problem({1.2, 0.5, 0.8});
-  problem.labels = {"bend"};
+  problem.playable.labels = {"bend"};
   const PlanAnswer answer = Solve(problem);
   REQUIRE(answer.outcome == PlanOutcome::kExact);
   for (const PlayedSegment& segment : answer.motions.front().segments) {
-    CHECK(model.clips()[model.clip_of_frame(segment.first_frame)].label == "bend");
+    CHECK(model.clips()[model.clip_of_frame(segment.first_frame)].label() == "bend");
   }
 }
 

@@ -44,7 +44,9 @@ TEST_CASE("CheckProblem: a valid problem is accepted", "[core][planning]") {
   CHECK(RefusedAfter([](PlanProblem&) {}).empty());
   CHECK(RefusedAfter([](PlanProblem& p) { p.obstacles = {}; }).empty());
   CHECK(RefusedAfter([](PlanProblem& p) { p.obstacles.clearance_m = 0; }).empty());
-  CHECK(RefusedAfter([](PlanProblem& p) { p.labels = {TwoClips().clips()[0].label}; }).empty());
+  CHECK(RefusedAfter([](PlanProblem& p) {
+          p.playable.labels = {TwoClips().clips()[0].label()};
+        }).empty());
 }
 
 TEST_CASE("CheckProblem: each wrong number is named", "[core][planning]") {
@@ -82,7 +84,7 @@ TEST_CASE("CheckProblem: each wrong number is named", "[core][planning]") {
         "coarse_layer");
   CHECK(RefusedAfter([](PlanProblem& p) { p.alternative_count = 11; }) == "alternative_count");
   CHECK(RefusedAfter([](PlanProblem& p) {
-          p.labels = {TwoClips().clips()[0].label, "fly"};
+          p.playable.labels = {TwoClips().clips()[0].label(), "fly"};
         }) == "labels[1]");
 }
 

@@ -43,7 +43,8 @@ TEST_CASE("Random sampling: uses only allowed labels", "[planning]") {
   SearchSettings settings;
   settings.goal = {2, 0, 0};
   settings.effort = 0.1;
-  const auto sampled = SampleWalks(model, layer, 10, {"straight"}, kLeg, {}, settings, {});
+  const auto sampled =
+      SampleWalks(model, layer, 10, {.labels = {"straight"}}, kLeg, {}, settings, {});
   REQUIRE(sampled.ok());
   REQUIRE_FALSE(sampled->paths.empty());
   const std::vector<std::int32_t>& nodes = sampled->paths.front().coarse_nodes;
@@ -51,7 +52,7 @@ TEST_CASE("Random sampling: uses only allowed labels", "[planning]") {
     bool seen = false;
     for (int f = 0; f + 1 < model.frame_count() && !seen; ++f) {
       seen = model.clip_of_frame(f) == model.clip_of_frame(f + 1) &&
-             model.clips()[model.clip_of_frame(f)].label == "straight" &&
+             model.clips()[model.clip_of_frame(f)].label() == "straight" &&
              model.tree().node_of_frame(layer, f) == nodes[t - 1] &&
              model.tree().node_of_frame(layer, f + 1) == nodes[t];
     }

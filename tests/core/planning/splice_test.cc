@@ -91,7 +91,7 @@ TEST_CASE("Segment graph: a join connects similar states of one node, in allowed
   const Model& model = WalkingDatabase();
   const StoredFloor floor(model, kLeg);
   const int layer = model.layer_count() - 1;
-  SegmentGraph graph(model, floor, layer, {"bend"});
+  SegmentGraph graph(model, floor, layer, {.labels = {"bend"}});
   int joins = 0;
   for (std::size_t r = 0; r < graph.runs().size(); ++r) {
     for (const RunJoin& join : graph.Joins(static_cast<int>(r))) {
@@ -105,7 +105,7 @@ TEST_CASE("Segment graph: a join connects similar states of one node, in allowed
       }
       for (const int frame : {enter - window, enter + window}) {
         CHECK(model.clip_of_frame(frame) == model.clip_of_frame(enter));
-        CHECK(model.clips()[model.clip_of_frame(frame)].label == "bend");
+        CHECK(model.clips()[model.clip_of_frame(frame)].label() == "bend");
       }
     }
   }

@@ -21,7 +21,7 @@ TEST_CASE("Start: a moment outside a clip, or in an unknown clip, is an error", 
   CHECK_THAT(std::string(outside.status().message()), Catch::Contains("slower"));
   CHECK(FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"jump", 0}}, {}).status().code() ==
         absl::StatusCode::kNotFound);
-  CHECK(FindOrigins(WalkingDatabase(), {}, {"dance"}).status().code() ==
+  CHECK(FindOrigins(WalkingDatabase(), {}, {.labels = {"dance"}}).status().code() ==
         absl::StatusCode::kInvalidArgument);
   CHECK_FALSE(
       FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"slower", std::nan("")}}, {}).ok());
@@ -29,13 +29,14 @@ TEST_CASE("Start: a moment outside a clip, or in an unknown clip, is an error", 
 
 TEST_CASE("Start: if its clip is not allowed, the most similar allowed frame", "[planning]") {
   const Model& model = WalkingDatabase();
-  const auto origin = FindOrigins(model, {.clip = ClipMoment{"straight", 1.5}}, {"bend"});
+  const auto origin =
+      FindOrigins(model, {.clip = ClipMoment{"straight", 1.5}}, {.labels = {"bend"}});
   REQUIRE(origin.ok());
-  CHECK(model.clips()[model.clip_of_frame(origin->front().frame)].label == "bend");
+  CHECK(model.clips()[model.clip_of_frame(origin->front().frame)].label() == "bend");
   const int own = model.clips()[0].first_frame + 90;
   for (int f = 0; f < model.frame_count(); ++f) {
     const ModelClip& clip = model.clips()[model.clip_of_frame(f)];
-    if (clip.label != "bend" || f >= clip.first_frame + clip.frame_count - 30) continue;
+    if (clip.label() != "bend" || f >= clip.first_frame + clip.frame_count - 30) continue;
     CHECK((model.states().row(f) - model.states().row(own)).squaredNorm() >=
           (model.states().row(origin->front().frame) - model.states().row(own)).squaredNorm());
   }

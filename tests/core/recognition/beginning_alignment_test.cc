@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "core/model/clip_mask.h"
+#include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/recognition/metric_observation.h"
 #include "tests/support/synthetic_states.h"
@@ -25,8 +27,8 @@ core::Beginnings BeginningsOf(const core::Model& model, int clip, const std::vec
 }
 
 void CheckAgainstSeparate(const core::Model& model, const core::Beginnings& beginnings,
-                          const std::vector<bool>& left_out) {
-  const auto together = core::AlignBeginnings(model, beginnings, left_out);
+                          const core::ClipMask* mask = nullptr) {
+  const auto together = core::AlignBeginnings(model, *model.action_units(), beginnings, mask);
   REQUIRE(together.size() == beginnings.lengths.size());
   for (std::size_t b = 0; b < together.size(); ++b) {
     const int length = beginnings.lengths[b];
@@ -36,17 +38,18 @@ void CheckAgainstSeparate(const core::Model& model, const core::Beginnings& begi
     const auto observation = core::MetricObservation::Create(model, states);
     REQUIRE(observation.ok());
     const int stride = core::FrameStride(model.settings().frame_rate_hz);
-    const auto alone = core::AlignWindow(
-        model, *observation, core::ComparedFrames(0, length, stride, true), left_out, true, {});
+    const auto alone =
+        core::AlignWindow(model, *model.action_units(), *observation,
+                          core::ComparedFrames(0, length, stride, true), mask, true, {});
     REQUIRE(alone.ok());
     CHECK(together[b].frames == alone->frames);
     CHECK(together[b].energy == Approx(alone->energy));
     CHECK(together[b].noise == Approx(alone->noise));
     CHECK(together[b].familiarity_score == Approx(alone->familiarity_score).epsilon(1e-4));
-    REQUIRE(together[b].clips.size() == alone->clips.size());
-    for (std::size_t i = 0; i < alone->clips.size(); ++i) {
-      CHECK(together[b].clips[i].clip == alone->clips[i].clip);
-      CHECK(together[b].clips[i].log_evidence == alone->clips[i].log_evidence);
+    REQUIRE(together[b].units.size() == alone->units.size());
+    for (std::size_t i = 0; i < alone->units.size(); ++i) {
+      CHECK(together[b].units[i].unit == alone->units[i].unit);
+      CHECK(together[b].units[i].log_evidence == alone->units[i].log_evidence);
     }
   }
 }
@@ -55,16 +58,18 @@ void CheckAgainstSeparate(const core::Model& model, const core::Beginnings& begi
 
 TEST_CASE("AlignBeginnings: equals separate alignment of each beginning", "[core][recognition]") {
   const core::Model model = SmallModel(12, 150, 3, 8, 1);
-  std::vector<bool> left_out(12);
-  left_out[3] = left_out[7] = true;
-  CheckAgainstSeparate(model, BeginningsOf(model, 3, {2, 15, 30, 60, 90, 150}), left_out);
-  CheckAgainstSeparate(model, BeginningsOf(model, 7, {1, 1, 2, 2, 3, 3, 149, 150}), left_out);
-  CheckAgainstSeparate(model, BeginningsOf(model, 0, {150}), left_out);
+  std::vector<bool> allowed(12, true);
+  allowed[3] = allowed[7] = false;
+  const auto mask = core::ClipMask::Create(model, allowed);
+  REQUIRE(mask.ok());
+  CheckAgainstSeparate(model, BeginningsOf(model, 3, {2, 15, 30, 60, 90, 150}), mask->get());
+  CheckAgainstSeparate(model, BeginningsOf(model, 7, {1, 1, 2, 2, 3, 3, 149, 150}), mask->get());
+  CheckAgainstSeparate(model, BeginningsOf(model, 0, {150}), mask->get());
 }
 
 TEST_CASE("AlignBeginnings: uses the shortlist of each beginning", "[core][recognition]") {
   const core::Model model = SmallModel(90, 60, 3, 8, 2);  // a shortlist has 64
-  CheckAgainstSeparate(model, BeginningsOf(model, 5, {6, 12, 24, 48, 60}), std::vector<bool>(90));
+  CheckAgainstSeparate(model, BeginningsOf(model, 5, {6, 12, 24, 48, 60}));
 }
 
 TEST_CASE("AlignBeginnings: equals separate alignment if roots are raised", "[core][recognition]") {
@@ -72,7 +77,7 @@ TEST_CASE("AlignBeginnings: equals separate alignment if roots are raised", "[co
   core::Beginnings far = BeginningsOf(model, 2, {10, 40, 80, 120});
   far.states *= 40;
   far.newest *= 40;
-  CheckAgainstSeparate(model, far, std::vector<bool>(8));
+  CheckAgainstSeparate(model, far);
 }
 
 }  // namespace motiondb::tests::beginning_alignment_test

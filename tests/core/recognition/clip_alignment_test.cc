@@ -45,7 +45,7 @@ TEST_CASE("AlignToClip: equals the sum over all paths", "[core][recognition]") {
       for (int j = 0; j < clip.rows(); ++j) {
         sum += (anchored ? std::exp(-2.0 * j) : 1) * SumFrom(observed, clip, 0, j);
       }
-      const auto alignment = core::AlignToClip(stored, 1, observed, anchored);
+      const auto alignment = core::AlignToClip(stored, stored.rows.of_clip(1), observed, anchored);
       CHECK(alignment.log_evidence == Approx(std::log(sum)).epsilon(1e-4).margin(1e-3));
       REQUIRE(alignment.nearest.size() == static_cast<std::size_t>(observed.rows()));
       for (int t = 0; t < observed.rows(); ++t) {
@@ -63,7 +63,8 @@ TEST_CASE("AlignToClip: finite for long dissimilar observations", "[core][recogn
   const core::FrameMatrix clip = WanderingStates(90, 8, 1);
   core::FrameMatrix observed = WanderingStates(300, 8, 2);
   observed.array() += 300;
-  const auto alignment = core::AlignToClip(Stored(clip), 1, observed, true);
+  const core::MetricFrames stored = Stored(clip);
+  const auto alignment = core::AlignToClip(stored, stored.rows.of_clip(1), observed, true);
   CHECK(std::isfinite(alignment.log_evidence));
   CHECK(alignment.log_evidence < -1e5);
 }
@@ -72,11 +73,11 @@ TEST_CASE("AlignToClip: a motion fits its own clip and its own start best", "[co
   const core::FrameMatrix clip = WanderingStates(60, 6, 1);
   const core::MetricFrames own = Stored(clip);
   const core::MetricFrames other = Stored(WanderingStates(60, 6, 2));
-  CHECK(core::AlignToClip(own, 1, clip, true).log_evidence >
-        core::AlignToClip(other, 1, clip, true).log_evidence);
+  CHECK(core::AlignToClip(own, own.rows.of_clip(1), clip, true).log_evidence >
+        core::AlignToClip(other, other.rows.of_clip(1), clip, true).log_evidence);
   const core::FrameMatrix late = clip.bottomRows(20);
-  CHECK(core::AlignToClip(own, 1, late, false).log_evidence >
-        core::AlignToClip(own, 1, late, true).log_evidence + 10);
+  CHECK(core::AlignToClip(own, own.rows.of_clip(1), late, false).log_evidence >
+        core::AlignToClip(own, own.rows.of_clip(1), late, true).log_evidence + 10);
 }
 
 TEST_CASE("ComparedFrames: end with the newest", "[core][recognition]") {

@@ -36,7 +36,7 @@ TEST_CASE("Recognize: recognizes the label of a stored clip and ranks its clips 
         for (std::size_t i = 1; i < window.clips.size(); ++i) {
           CHECK(window.clips[i - 1].log_probability >= window.clips[i].log_probability);
         }
-        CHECK(model.clips()[window.clips.front().clip].label == window.labels.front().label);
+        CHECK(model.clips()[window.clips.front().clip].label() == window.labels.front().label);
         CHECK(window.familiarity >= 0);
         CHECK(window.familiarity <= 1);
       }
@@ -58,7 +58,7 @@ TEST_CASE("Recognize: labels and familiarity of kPaper follow from the graphs",
   double all = 0;
   const double best = window.clips.front().log_probability;
   for (const core::ClipScore& score : window.clips) {
-    of_label[model.clips()[score.clip].label] += std::exp(score.log_probability - best);
+    of_label[model.clips()[score.clip].label()] += std::exp(score.log_probability - best);
     all += std::exp(score.log_probability - best);
   }
   for (const core::LabelScore& label : window.labels) {

@@ -97,6 +97,17 @@ absl::StatusOr<RequestedFiles> RequestedFiles::Open(const FileRequest& request,
   return files;
 }
 
+absl::Status ReaderFailure(const FileRequest& request, core::FileFormat format,
+                           const absl::Status& failure) {
+  const bool is_limit = absl::IsResourceExhausted(failure);
+  return absl::Status(
+      is_limit ? absl::StatusCode::kResourceExhausted : absl::StatusCode::kInvalidArgument,
+      fmt::format("{}: {}. This {} file is rejected, and nothing is stored. {}",
+                  request.shown_name(), std::string(failure.message()), core::InfoOf(format).name,
+                  is_limit ? "Shorten its motion, or remove its meshes and textures"
+                           : "Export it again, or in another format (such as glb or bvh)"));
+}
+
 std::optional<core::SourceFile> RequestedFiles::skeleton(const FileRequest& request) const {
   if (request.skeleton.empty()) return std::nullopt;
   const std::string& name =

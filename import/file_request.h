@@ -56,4 +56,10 @@ class RequestedFiles {
   InputBytes skeleton_;
 };
 
+// Returns the error of a file whose reader ended without a result (`failure` of Child::Finish),
+// with the file, its format and what a user can do. RESOURCE_EXHAUSTED as in `failure`; a crash is
+// INVALID_ARGUMENT: the file is at fault, not the environment of the caller.
+absl::Status ReaderFailure(const FileRequest& request, core::FileFormat format,
+                           const absl::Status& failure);
+
 }  // namespace motiondb::importer

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -33,6 +34,17 @@ Json PointsJson(const core::Inspection& inspection) {
   return points;
 }
 
+// A hostile file can have any number of takes.
+Json TakesJson(const core::Inspection& inspection) {
+  constexpr std::size_t kMaxTakes = 1000;
+  Json takes = Json::array();
+  for (const core::TakeInfo& take : inspection.takes) {
+    if (takes.size() == kMaxTakes) break;
+    takes.push_back({{"name", take.name}, {"duration_seconds", NumberOrNull(take.duration_s)}});
+  }
+  return takes;
+}
+
 Json ResultJson(const core::Inspection& inspection) {
   const core::SourceReport& report = inspection.report;
   const double seconds = inspection.frame_count / inspection.frame_rate_hz;
@@ -41,6 +53,9 @@ Json ResultJson(const core::Inspection& inspection) {
           {"metres_per_unit_is", core::NameOf(report.unit_provenance)},
           {"up_axis", core::NameOf(report.up_axis)},
           {"up_axis_is", core::NameOf(report.up_provenance)},
+          {"take", inspection.take},
+          {"take_count", inspection.takes.size()},
+          {"takes", TakesJson(inspection)},
           {"frame_rate_hz", inspection.frame_rate_hz},
           {"frame_count", inspection.frame_count},
           {"duration_seconds", NumberOrNull(seconds)},

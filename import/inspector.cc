@@ -44,22 +44,17 @@ absl::Status Inspector::Start(int index, const FileRequest& request) {
                             RequestedFiles::Open(request, options_.limits.max_file_bytes));
   const auto work = [&] {
     auto read = files.Read(request, options_.limits.max_plain_bytes);
-    std::string note;
     if (read.status().GetPayload(core::kReasonUrl) == absl::Cord("TAKE_REQUIRED")) {
-      note = std::string(read.status().message()) + "; this is the first";
       FileRequest first = request;
       first.given.take = "1";
       read = files.Read(first, options_.limits.max_plain_bytes);
     }
     if (!read.ok()) return InspectionJson(read.status());
-    core::Inspection inspection =
-        core::InspectMotion(request.shown_name(), *read, request.leg_length_m);
-    if (!note.empty()) inspection.notes.push_back(std::move(note));
-    return InspectionJson(inspection);
+    return InspectionJson(core::InspectMotion(request.shown_name(), *read, request.leg_length_m));
   };
   MOTIONDB_ASSIGN_OR_RETURN(
       Child child, Child::Start(work, options_.limits.process, options_.limits.is_sandboxed));
-  jobs_.push_back({index, request.file, std::move(child)});
+  jobs_.push_back({index, request, files.format(), std::move(child)});
   return absl::OkStatus();
 }
 
@@ -79,8 +74,10 @@ absl::Status Inspector::AwaitOne() {
       jobs_.erase(job);
       const auto output = ended.child.Finish();
       if (absl::IsUnavailable(output.status())) return output.status();
-      return Answer(ended.index, ended.file,
-                    output.ok() ? *output : InspectionJson(output.status()));
+      return Answer(ended.index, ended.request.file,
+                    output.ok() ? *output
+                                : InspectionJson(
+                                      ReaderFailure(ended.request, ended.format, output.status())));
     }
   }
 }

@@ -31,7 +31,8 @@ class Inspector {
   // A request in a child process.
   struct Job {
     int index;
-    std::string file;
+    FileRequest request;
+    core::FileFormat format;
     Child child;
   };
 

@@ -100,12 +100,7 @@ absl::StatusOr<std::string> AwaitAnswer(SingleFileTask task, const FileRequest& 
   } while (!child.Step((ready.revents & (POLLIN | POLLHUP | POLLERR)) != 0));
   auto output = child.Finish();
   if (output.ok() || absl::IsUnavailable(output.status())) return output;
-  // A file that crashes its reader is at fault, not the caller's environment.
-  const absl::StatusCode code = absl::IsResourceExhausted(output.status())
-                                    ? absl::StatusCode::kResourceExhausted
-                                    : absl::StatusCode::kInvalidArgument;
-  return absl::Status(
-      code, fmt::format("{}: {}", request.shown_name(), std::string(output.status().message())));
+  return ReaderFailure(request, files.format(), output.status());
 }
 
 }  // namespace

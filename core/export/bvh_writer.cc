@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/export/frame_text.h"
 #include "core/export/writers.h"
 #include "core/format/conventions.h"
 #include "core/format/text_scanner.h"
@@ -109,7 +110,9 @@ class BvhWriter {
                    motion_.angles.rows(), 1 / motion_.frame_rate_hz);
     std::vector<Eigen::Vector3d> previous(nodes_.size(), Eigen::Vector3d::Zero());
     for (Eigen::Index frame = 0; frame < motion_.angles.rows(); ++frame) {
+      const std::size_t begin = text_.size();
       WriteFrame(frame, previous);
+      if (frame == 0) ReserveFrames(text_, text_.size() - begin, motion_.angles.rows() - 1);
     }
     return std::move(text_);
   }
@@ -210,6 +213,12 @@ class BvhWriter {
 };
 
 }  // namespace
+
+std::vector<std::string> BvhNames(const Skeleton& skeleton) {
+  std::vector<std::string> names(skeleton.joints().size());
+  for (BvhNode& node : DepthFirst(skeleton)) names[node.joint] = std::move(node.name);
+  return names;
+}
 
 absl::StatusOr<std::string> WriteBvh(const JointMotion& motion) {
   MOTIONDB_RETURN_IF_ERROR(CheckWritable("BVH", motion));

@@ -115,20 +115,6 @@ class C3dSectionWriter {
   int group_ = 0;
 };
 
-// Returns the names cut to the length of labels.
-absl::StatusOr<std::vector<std::string>> LabelsOf(const MarkerMotion& motion) {
-  MOTIONDB_ASSIGN_OR_RETURN(std::vector<std::string> labels, WritablePointNames("C3D", motion));
-  std::unordered_set<std::string_view> seen;
-  for (std::string& label : labels) {
-    label.resize(text::TruncateUtf8(label, kMaxLabelBytes).size());
-    label.resize(label.find_last_not_of(' ') + 1);
-    if (seen.insert(label).second) continue;
-    return InvalidArgument("C3D: two points have names with the same first {} bytes, '{}'",
-                           kMaxLabelBytes, Shown(label));
-  }
-  return labels;
-}
-
 // What the header and the parameters repeat.
 struct C3dNumbers {
   std::size_t points = 0;
@@ -216,8 +202,21 @@ void AppendPoint(const float* metres, std::string& file) {
 
 }  // namespace
 
+absl::StatusOr<std::vector<std::string>> C3dLabels(const MarkerMotion& motion) {
+  MOTIONDB_ASSIGN_OR_RETURN(std::vector<std::string> labels, WritablePointNames("C3D", motion));
+  std::unordered_set<std::string_view> seen;
+  for (std::string& label : labels) {
+    label.resize(text::TruncateUtf8(label, kMaxLabelBytes).size());
+    label.resize(label.find_last_not_of(' ') + 1);
+    if (seen.insert(label).second) continue;
+    return InvalidArgument("C3D: two points have names with the same first {} bytes, '{}'",
+                           kMaxLabelBytes, Shown(label));
+  }
+  return labels;
+}
+
 absl::StatusOr<std::string> WriteC3d(const MarkerMotion& motion) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<std::string> labels, LabelsOf(motion));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<std::string> labels, C3dLabels(motion));
   const C3dNumbers numbers = NumbersOf(motion);
   if (numbers.points > kMaxC3dPoints) {
     return InvalidArgument("C3D: expected at most {} points, found {}", kMaxC3dPoints,

@@ -154,7 +154,10 @@ class GlbWriter {
     }
     roots.push_back(mesh_node);
     GlbJson document = {
-        {"asset", {{"version", "2.0"}, {"generator", "motiondb"}}},
+        {"asset",
+         {{"version", "2.0"},
+          {"generator", "motiondb"},
+          {"extras", {{"frame_rate_hz", motion_.frame_rate_hz}}}}},
         {"scene", 0},
         {"scenes", GlbJson::array({{{"nodes", std::move(roots)}}})},
         {"nodes", std::move(nodes)},
@@ -283,6 +286,13 @@ class GlbWriter {
 };
 
 }  // namespace
+
+std::vector<std::string> GlbNames(const Skeleton& skeleton) {
+  UniqueNames unique;
+  std::vector<std::string> names;
+  for (const Joint& joint : skeleton.joints()) names.push_back(unique.Add(joint.name));
+  return names;
+}
 
 absl::StatusOr<std::string> WriteGlb(const JointMotion& motion) {
   MOTIONDB_RETURN_IF_ERROR(CheckWritable("GLB", motion));

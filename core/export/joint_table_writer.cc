@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/export/frame_text.h"
 #include "core/export/writers.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
@@ -106,6 +107,7 @@ std::string WriteTable(const JointMotion& motion, const std::vector<Column>& col
   const Joint& root = skeleton.joints()[0];
   Eigen::Quaterniond previous = Eigen::Quaterniond::Identity();
   for (Eigen::Index frame = 0; frame < motion.angles.rows(); ++frame) {
+    const std::size_t begin = text.size();
     const double* row = motion.angles.data() + frame * motion.angles.cols();
     const Eigen::Isometry3d pose = ParentFromJoint(root, {row, root.dofs.size()});
     Eigen::Quaterniond turn = Eigen::Quaterniond(pose.linear()).normalized();
@@ -119,6 +121,7 @@ std::string WriteTable(const JointMotion& motion, const std::vector<Column>& col
     for (const double value : turn.coeffs()) put(value);
     for (const Column& column : columns) put(column.factor * row[column.dof] + column.offset);
     text.back() = '\n';
+    if (frame == 0) ReserveFrames(text, text.size() - begin, motion.angles.rows() - 1);
   }
   return text;
 }

@@ -4,14 +4,19 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
+#include "core/export/losses.h"
 #include "core/export/writers.h"
 #include "core/format/motion_file.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
+#include "core/motion/marker_rules.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core {
@@ -57,6 +62,7 @@ absl::StatusOr<JointMotion> MarkersAsJoints(const MarkerMotion& markers, Written
   for (const std::string& name : filled.names) {
     Joint joint = root;
     joint.name = name == root.name ? name + "_point" : name;
+    if (joint.name != name) ReportNames({name}, {joint.name}, written.losses);
     joint.parent = 0;
     joints.push_back(std::move(joint));
   }
@@ -80,40 +86,44 @@ MarkerMotion ToMarkers(const Motion& motion, std::string_view format, WrittenMot
   return JointsAsMarkers(std::get<JointMotion>(motion));
 }
 
-bool HasLimits(const Motion& motion) {
-  const auto* const joints = std::get_if<JointMotion>(&motion);
-  if (joints == nullptr) return false;
-  for (const Joint& joint : joints->skeleton->joints()) {
-    for (const Dof& dof : joint.dofs) {
-      if (std::isfinite(dof.lower) || std::isfinite(dof.upper)) return true;
-    }
-  }
-  return false;
-}
-
 absl::StatusOr<std::string> BytesOf(FileFormat format, const Motion& motion, const Mimics& mimics,
                                     WrittenMotion& written) {
   switch (format) {
     case FileFormat::kBvh: {
       MOTIONDB_ASSIGN_OR_RETURN(const JointMotion joints, ToJoints(motion, written));
-      if (HasLimits(motion)) written.losses.emplace_back("joint limits: BVH has none");
+      ReportJointProperties(motion, "BVH", written.losses);
+      ReportNames(JointNames(*joints.skeleton), BvhNames(*joints.skeleton), written.losses);
       return WriteBvh(joints);
     }
     case FileFormat::kGltf: {
       MOTIONDB_ASSIGN_OR_RETURN(const JointMotion joints, ToJoints(motion, written));
-      if (HasLimits(motion)) written.losses.emplace_back("joint limits: glTF has none");
+      ReportJointProperties(motion, "glTF", written.losses);
+      ReportNames(JointNames(*joints.skeleton), GlbNames(*joints.skeleton), written.losses);
       return WriteGlb(joints);
     }
-    case FileFormat::kTrc:
-      return WriteTrc(ToMarkers(motion, "TRC", written));
-    case FileFormat::kC3d:
-      return WriteC3d(ToMarkers(motion, "C3D", written));
-    case FileFormat::kCsv:
+    case FileFormat::kTrc: {
+      const MarkerMotion markers = ToMarkers(motion, "TRC", written);
+      MOTIONDB_ASSIGN_OR_RETURN(const auto names, WritablePointNames("TRC", markers));
+      ReportNames(markers.names, names, written.losses);
+      return WriteTrc(markers);
+    }
+    case FileFormat::kC3d: {
+      const MarkerMotion markers = ToMarkers(motion, "C3D", written);
+      MOTIONDB_ASSIGN_OR_RETURN(const auto labels, C3dLabels(markers));
+      ReportNames(markers.names, labels, written.losses);
+      return WriteC3d(markers);
+    }
+    case FileFormat::kCsv: {
       if (const auto* const joints = std::get_if<JointMotion>(&motion); joints && mimics) {
         return WriteJointTable(*joints, *mimics);
       }
-      return WritePointTable(ToMarkers(motion, "a table of points", written));
+      const MarkerMotion markers = ToMarkers(motion, "a table of points", written);
+      MOTIONDB_ASSIGN_OR_RETURN(const auto names, WritablePointNames("point table", markers));
+      ReportNames(markers.names, names, written.losses);
+      return WritePointTable(markers);
+    }
     case FileFormat::kNpz:
+      ReportJointProperties(motion, "NPZ", written.losses);
       return WriteNpz(motion);
     default:
       return InvalidArgument("{} files are read only", InfoOf(format).name);
@@ -137,7 +147,7 @@ bool IsRobot(const Skeleton& skeleton) {
 
 MarkerMotion JointsAsMarkers(const JointMotion& motion) {
   MarkerMotion markers;
-  for (const Joint& joint : motion.skeleton->joints()) markers.names.push_back(joint.name);
+  markers.names = JointNames(*motion.skeleton);
   markers.frame_rate_hz = motion.frame_rate_hz;
   markers.positions_m = JointPositions(motion);
   return markers;
@@ -145,11 +155,30 @@ MarkerMotion JointsAsMarkers(const JointMotion& motion) {
 
 namespace {
 
+// Returns frames spread over the motion, at most as many as the readers look at for conventions.
+Motion SampledFrames(const Motion& motion) {
+  const auto sample = [](const auto& all) {
+    constexpr Eigen::Index kSamples = 32;
+    const Eigen::Index count = std::min(kSamples, all.rows());
+    std::remove_cvref_t<decltype(all)> some(count, all.cols());
+    for (Eigen::Index i = 0; i < count; ++i) some.row(i) = all.row(i * all.rows() / count);
+    return some;
+  };
+  if (const auto* const joints = std::get_if<JointMotion>(&motion)) {
+    return JointMotion{joints->skeleton, joints->frame_rate_hz, sample(joints->angles)};
+  }
+  const auto& markers = std::get<MarkerMotion>(motion);
+  return MarkerMotion{markers.names, markers.frame_rate_hz, sample(markers.positions_m)};
+}
+
 // BVH states neither unit nor up axis, TRC no up axis: readers deduce them from the body. Reports
 // what ours would deduce wrongly.
-void CheckConventions(FileFormat format, WrittenMotion& written) {
+void CheckConventions(FileFormat format, const Motion& motion, WrittenMotion& written) {
   if (format != FileFormat::kBvh && format != FileFormat::kTrc) return;
-  const auto back = ReadMotionFile(format, {"written", written.bytes});
+  WrittenMotion sampled;
+  const auto bytes = BytesOf(format, SampledFrames(motion), std::nullopt, sampled);
+  if (!bytes.ok()) return;  // all markers are missing in these frames
+  const auto back = ReadMotionFile(format, {"written", *bytes});
   if (!back.ok()) return;  // one frame is not enough to read
   constexpr double kCentimetre = 0.01;
   const bool is_bvh = format == FileFormat::kBvh;
@@ -170,7 +199,7 @@ absl::StatusOr<WrittenMotion> WriteMotion(FileFormat format, const Motion& motio
       std::visit([&](const auto& one) { return CheckWritable(InfoOf(format).name, one); }, motion));
   WrittenMotion written;
   MOTIONDB_ASSIGN_OR_RETURN(written.bytes, BytesOf(format, motion, mimics, written));
-  CheckConventions(format, written);
+  CheckConventions(format, motion, written);
   return written;
 }
 

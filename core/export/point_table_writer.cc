@@ -3,6 +3,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "core/export/frame_text.h"
 #include "core/export/writers.h"
 #include "core/motion/error.h"
 
@@ -39,6 +40,7 @@ absl::StatusOr<std::string> WritePointTable(const MarkerMotion& motion) {
   }
   text += '\n';
   for (Eigen::Index frame = 0; frame < motion.positions_m.rows(); ++frame) {
+    const std::size_t begin = text.size();
     fmt::format_to(std::back_inserter(text), "{}",
                    static_cast<double>(frame) / motion.frame_rate_hz);
     for (const float value : motion.positions_m.row(frame)) {
@@ -49,6 +51,7 @@ absl::StatusOr<std::string> WritePointTable(const MarkerMotion& motion) {
       }
     }
     text += '\n';
+    if (frame == 0) ReserveFrames(text, text.size() - begin, motion.positions_m.rows() - 1);
   }
   return text;
 }

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "core/export/frame_text.h"
 #include "core/export/writers.h"
 #include "core/motion/error.h"
 
@@ -47,6 +48,7 @@ absl::StatusOr<std::string> WriteTrc(const MarkerMotion& motion) {
   }
   std::string text = TrcHeaderText(motion, names);
   for (Eigen::Index frame = 0; frame < motion.positions_m.rows(); ++frame) {
+    const std::size_t begin = text.size();
     fmt::format_to(std::back_inserter(text), "{}\t{}", frame + 1,
                    static_cast<double>(frame) / motion.frame_rate_hz);
     for (Eigen::Index c = 0; c < motion.positions_m.cols(); c += 3) {
@@ -61,6 +63,7 @@ absl::StatusOr<std::string> WriteTrc(const MarkerMotion& motion) {
       PutMillimetres(text, -at[1]);
     }
     text += '\n';
+    if (frame == 0) ReserveFrames(text, text.size() - begin, motion.positions_m.rows() - 1);
   }
   return text;
 }

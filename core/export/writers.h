@@ -26,6 +26,9 @@ namespace motiondb::core {
 // INVALID_ARGUMENT as for CheckWritable.
 absl::StatusOr<std::string> WriteBvh(const JointMotion& motion);
 
+// Returns the names that WriteBvh gives to the skeleton's joints, in their order. O(joints).
+std::vector<std::string> BvhNames(const Skeleton& skeleton);
+
 // Returns the motion as CSV (RFC 4180, but with LF line ends): a header, then one line for each
 // frame.
 //   time_s                               from 0
@@ -48,13 +51,17 @@ absl::StatusOr<std::string> WriteJointTable(const JointMotion& motion,
 // converted to y up; several roots get a common parent. Joints with rotations have rotation keys;
 // roots and joints with translations have translation keys. Frame i is at i / rate seconds, with
 // linear interpolation. Numbers are single precision, and consecutive quaternions have the nearer
-// sign. A skin and a mesh with an octahedron for each bone make the figure visible. Names are made
-// valid UTF-8 of at most 255 bytes, unique. O(frames * joints).
+// sign. `asset.extras.frame_rate_hz` is the frame rate, because keys alone do not tell it for one
+// frame or below 10 Hz. A skin and a mesh with an octahedron for each bone make the figure visible.
+// Names are made valid UTF-8 of at most 255 bytes, unique. O(frames * joints).
 //
 // INVALID_ARGUMENT as for CheckWritable, if there are more than
 // kMaxFileJoints joints, if a joint is more than 1e18 m from its parent, if single precision cannot
 // distinguish the times of two frames, or if the file would exceed 4 GiB.
 absl::StatusOr<std::string> WriteGlb(const JointMotion& motion);
+
+// Returns the names that WriteGlb gives to the skeleton's joints, in their order. O(joints).
+std::vector<std::string> GlbNames(const Skeleton& skeleton);
 
 // Returns the motion as a TRC file of OpenSim: millimetres with 9 digits, y up, tabs. The cells of
 // a missing point are empty. The format does not state the up axis: OpenSim expects y, and ReadTrc
@@ -84,6 +91,10 @@ absl::StatusOr<std::string> WritePointTable(const MarkerMotion& motion);
 // markers or 2^31 - 1 frames, for two labels that are equal after cutting, and if the labels do not
 // fit the 130,560 bytes of the parameters.
 absl::StatusOr<std::string> WriteC3d(const MarkerMotion& motion);
+
+// Returns the labels that WriteC3d gives to the markers, or its error about them. O(frames *
+// markers).
+absl::StatusOr<std::vector<std::string>> C3dLabels(const MarkerMotion& motion);
 
 inline constexpr int kNpzVersion = 1;  // `motiondb_version` of a written archive
 

@@ -48,10 +48,17 @@ struct ReadOptions {
   std::string take = {};                // of a file with several; empty: its only one
 };
 
+// One of several takes of a file.
+struct TakeInfo {
+  std::string name;
+  double duration_s = 0;
+};
+
 struct MotionFile {
   Motion motion;
   SourceReport report;
-  std::string take = {};  // name of the take that was asked for; empty: none was
+  std::string take = {};             // name of the take that was asked for; empty: none was
+  std::vector<TakeInfo> takes = {};  // of a file with several, in its order; not stored
 };
 
 // A file in memory: `name` appears in error messages ("walk.bvh:12: expected ...").

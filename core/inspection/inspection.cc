@@ -115,6 +115,8 @@ Inspection InspectMotion(std::string_view file_name, const MotionFile& read,
                          std::optional<double> leg_length_m) {
   Inspection inspection;
   inspection.report = read.report;
+  inspection.take = read.take;
+  inspection.takes = read.takes;
   if (const auto* joints = std::get_if<JointMotion>(&read.motion)) {
     inspection.has_hierarchy = true;
     inspection.frame_rate_hz = joints->frame_rate_hz;

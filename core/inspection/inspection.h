@@ -28,6 +28,8 @@ struct Inspection {
   double frame_rate_hz = 0;
   int frame_count = 0;
   std::vector<InspectedPoint> points;
+  std::string take;             // the inspected one, of a file with several
+  std::vector<TakeInfo> takes;  // all of them
 
   std::string mapping;  // how the points are mapped to standard34; empty: not at all
   std::string

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <optional>
 
 namespace motiondb::core {
 
@@ -200,25 +201,42 @@ float DistanceAt(const MarkerMotion& motion, Eigen::Index frame, int a, int b) {
   return (row.segment<3>(3 * a) - row.segment<3>(3 * b)).norm();
 }
 
+std::ptrdiff_t QuantileIndex(const std::vector<float>& values, double share) {
+  return static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+}
+
 float Quantile(std::vector<float>& values, double share) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + QuantileIndex(values, share);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
-Partner DistanceTo(const MarkerMotion& motion, int marker, int other) {
+// Whether Quantile is at most `limit`, in a fraction of its time.
+bool QuantileIsAtMost(const std::vector<float>& values, double share, float limit) {
+  const auto count =
+      std::count_if(values.begin(), values.end(), [limit](float value) { return value <= limit; });
+  return count > QuantileIndex(values, share);
+}
+
+// Returns `other` as a partner of `marker` if it is near and at constant distance. Most pairs are
+// not.
+std::optional<Partner> FindPartner(const MarkerMotion& motion, int marker, int other,
+                                   float leg_length_m) {
   const Eigen::Index frames = motion.positions_m.rows();
   const Eigen::Index samples = std::min<Eigen::Index>(frames, kMaxSamples);
   std::vector<float> distances;
+  distances.reserve(static_cast<std::size_t>(samples));
   for (Eigen::Index i = 0; i < samples; ++i) {
     const float distance = DistanceAt(motion, i * frames / samples, marker, other);
     if (std::isfinite(distance)) distances.push_back(distance);
   }
-  if (distances.empty()) return {other, 0, std::numeric_limits<float>::infinity()};
+  if (distances.empty() || !QuantileIsAtMost(distances, 0.5, kNear * leg_length_m)) {
+    return std::nullopt;
+  }
   const float median = Quantile(distances, 0.5);
   for (float& distance : distances) distance = std::abs(distance - median);
-  return {other, median, Quantile(distances, kUsualQuantile)};
+  if (!QuantileIsAtMost(distances, kUsualQuantile, kRigid * leg_length_m)) return std::nullopt;
+  return Partner{other, median, Quantile(distances, kUsualQuantile)};
 }
 
 using Partners = std::vector<std::vector<Partner>>;
@@ -229,14 +247,11 @@ Partners FindPartners(const MarkerMotion& motion, float leg_length_m) {
   Partners partners(markers);
   for (int a = 0; a < markers; ++a) {
     for (int b = 0; b < a; ++b) {
-      Partner partner = DistanceTo(motion, a, b);
-      if (!(partner.variation <= kRigid * leg_length_m &&
-            partner.distance <= kNear * leg_length_m)) {
-        continue;
-      }
-      partners[a].push_back(partner);
-      partner.marker = a;
-      partners[b].push_back(partner);
+      std::optional<Partner> partner = FindPartner(motion, a, b, leg_length_m);
+      if (!partner) continue;
+      partners[a].push_back(*partner);
+      partner->marker = a;
+      partners[b].push_back(*partner);
     }
   }
   for (std::vector<Partner>& list : partners) {

@@ -16,6 +16,17 @@ constexpr zip_int64_t kMaxMembers = 1000;
 constexpr std::string_view kNpyExtension = ".npy";
 constexpr std::size_t kNpzReadBytes = std::size_t{1} << 18;
 
+// The error of a file without the directory that ends an archive.
+absl::Status NoDirectory(core::SourceFile file) {
+  if (file.bytes.starts_with("PK\x03\x04")) {
+    return core::InvalidArgument(
+        "{}: expected the directory of the archive before byte {}, its end: it is truncated",
+        file.name, file.bytes.size());
+  }
+  return core::InvalidArgument("{}: byte 0: expected a NumPy archive (zip), found '{}'", file.name,
+                               core::Shown(file.bytes.substr(0, 4)));
+}
+
 struct CloseMember {
   void operator()(zip_file_t* member) const { zip_fclose(member); }
 };
@@ -32,10 +43,11 @@ absl::StatusOr<NpzArchive> NpzArchive::Open(core::SourceFile file, std::size_t m
   zip_error_t error;
   zip_error_init(&error);
   const auto failure = [&] {
-    const std::string reason = zip_error_code_zip(&error) == ZIP_ER_EXISTS
-                                   ? "two members have the same name"
-                                   : zip_error_strerror(&error);
+    const int code = zip_error_code_zip(&error);
+    const std::string reason =
+        code == ZIP_ER_EXISTS ? "two members have the same name" : zip_error_strerror(&error);
     zip_error_fini(&error);
+    if (code == ZIP_ER_NOZIP) return NoDirectory(file);
     return core::InvalidArgument("{}: expected a NumPy archive (zip): {}", file.name,
                                  core::Shown(reason));
   };

@@ -215,12 +215,19 @@ absl::StatusOr<double> ReadSmplRate(const NpzSource& source, const SmplPoses& po
   return rate_hz;
 }
 
-SmplGender ReadSmplGender(NpzArchive& archive) {
-  std::string gender = SmplLowerCase(TryText(archive, "gender").value_or(""));
+SmplGender ReadSmplGender(NpzArchive& archive, std::vector<std::string>& notes) {
+  const std::string stated = TryText(archive, "gender").value_or("");
+  std::string gender = SmplLowerCase(stated);
   // Some archives have the Python text of a byte string: "b'male'".
   if (gender.starts_with("b'")) gender.erase(0, 2);
   if (gender.starts_with('m')) return SmplGender::kMale;
   if (gender.starts_with('f')) return SmplGender::kFemale;
+  if (!gender.starts_with("neutral")) {
+    notes.push_back(archive.Has("gender")
+                        ? fmt::format("gender '{}' is not male, female or neutral: neutral assumed",
+                                      core::Shown(stated))
+                        : "the file states no gender: neutral assumed");
+  }
   return SmplGender::kNeutral;
 }
 
@@ -306,7 +313,7 @@ absl::StatusOr<core::MotionFile> ReadSmpl(const NpzSource& source,
                             ReadSmplTranslations(source, poses.tables.front()));
   MOTIONDB_ASSIGN_OR_RETURN(const double rate_hz,
                             ReadSmplRate(source, poses, options, report.notes));
-  const SmplGender gender = ReadSmplGender(source.archive);
+  const SmplGender gender = ReadSmplGender(source.archive, report.notes);
   const SmplModel model = poses.model;
   const auto still = std::count_if(poses.joints.begin(), poses.joints.end(),
                                    [](const RotationSource& joint) { return joint.table < 0; });

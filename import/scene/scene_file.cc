@@ -5,6 +5,7 @@
 #include <assimp/config.h>
 #include <assimp/importerdesc.h>
 #include <assimp/types.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
 #include <assimp/DefaultLogger.hpp>
@@ -18,8 +19,13 @@
 #include <string_view>
 #include <utility>
 
+#include "core/format/conventions.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
+#include "import/scene/fbx_layers.h"
+#include "import/scene/gltf_check.h"
+#include "import/scene/gltf_curves.h"
+#include "import/scene/gltf_document.h"
 #include "text/utf8.h"
 
 namespace motiondb::importer {
@@ -178,6 +184,25 @@ void ThrowIfOutOfMemory(const std::exception_ptr& exception) {
   }
 }
 
+// The frame rate that WriteGlb states.
+std::optional<double> StatedGltfRate(const GltfDocument& document) {
+  const nlohmann::json& extras = GltfMember(GltfMember(document.json(), "asset"), "extras");
+  const nlohmann::json& rate = GltfMember(extras, "frame_rate_hz");
+  if (!rate.is_number() || !core::IsFrameRate(rate.get<double>())) return std::nullopt;
+  return rate.get<double>();
+}
+
+// The line at which the file ends to be XML, which assimp does not tell.
+absl::Status MalformedXml(core::SourceFile file) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(file.bytes.data(), file.bytes.size()) == tinyxml2::XML_SUCCESS) {
+    return core::InvalidArgument("{}: is not well-formed XML", file.name);
+  }
+  return core::InvalidArgument(
+      "{}:{}: expected well-formed XML, found {}: is it truncated? It ends at byte {}", file.name,
+      document.ErrorLineNum(), document.ErrorName(), file.bytes.size());
+}
+
 absl::Status Failure(std::string_view name, std::string_view message) {
   constexpr std::size_t kMaxMessage = 300;  // assimp repeats parts of the file
   return core::InvalidArgument("{}: {}", name, text::ValidUtf8(core::ToUtf8(message), kMaxMessage));
@@ -196,6 +221,14 @@ absl::StatusOr<SceneFile> LoadScene(core::FileFormat format, core::SourceFile fi
     file.bytes = collada;
   }
   SceneFile read{.importer = std::make_unique<Assimp::Importer>()};
+  bool has_curves = false;
+  if (format == core::FileFormat::kGltf) {
+    // Its memory is free while assimp reads.
+    MOTIONDB_ASSIGN_OR_RETURN(const GltfDocument document, GltfDocument::Parse(file));
+    MOTIONDB_RETURN_IF_ERROR(CheckGltf(document));
+    has_curves = NeedsGltfCurves(document);
+    read.key_rate_hz = StatedGltfRate(document);
+  }
   Assimp::Importer& importer = *read.importer;
   if (!KeepOnlyReader(importer, known.reader)) {
     return absl::InternalError(fmt::format("assimp has no reader of {}", known.reader));
@@ -214,14 +247,20 @@ absl::StatusOr<SceneFile> LoadScene(core::FileFormat format, core::SourceFile fi
     message = error.what();
   }
   ThrowIfOutOfMemory(importer.GetException());
-  if (read.scene != nullptr && read.scene->mRootNode != nullptr) return read;
+  if (read.scene != nullptr && read.scene->mRootNode != nullptr) {
+    if (format == core::FileFormat::kFbx) {
+      if (auto note = NoteOnFbxLayers(file.bytes)) read.notes.push_back(*std::move(note));
+    }
+    if (!has_curves) return read;
+    MOTIONDB_ASSIGN_OR_RETURN(const GltfDocument document, GltfDocument::Parse(file));
+    MOTIONDB_ASSIGN_OR_RETURN(read.curves, ReadGltfCurves(document, *read.scene));
+    return read;
+  }
   if (!files->missing().empty()) {
     return Failure(file.name, fmt::format("refers to the file '{}': {}",
                                           core::Shown(files->missing()), known.refers_to));
   }
-  const bool is_old_gltf = message.find("Unsupported glTF version") != message.npos ||
-                           message.find("Unsupported binary glTF version") != message.npos;
-  if (is_old_gltf) message += ": convert it to glTF 2.0";
+  if (message.find("malformed XML") != message.npos) return MalformedXml(file);
   return Failure(file.name, message.empty() ? "has no scene" : message);
 }
 

@@ -5,12 +5,14 @@
 
 #include <assimp/Importer.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/format/file_format.h"
 #include "core/format/motion_file.h"
+#include "import/scene/key_curves.h"
 
 namespace motiondb::importer {
 
@@ -18,13 +20,17 @@ namespace motiondb::importer {
 struct SceneFile {
   std::unique_ptr<Assimp::Importer> importer;  // owns the scene
   const aiScene* scene = nullptr;
+  SceneCurves curves = {};  // of glTF
+  // Of frames whose keys are those of the file: `asset.extras.frame_rate_hz` of glTF.
+  std::optional<double> key_rate_hz = {};
   std::vector<std::string> notes = {};  // what assimp could not read
 };
 
 // Reads FBX, glTF 2.0 (text or binary, so also VRM) or Collada. Only the reader of that format
 // looks at the bytes, and no other file is opened. Meshes are read as far as needed to know their
 // bones. FBX nodes keep their chains of "$AssimpFbx$" nodes (see SceneNodes): without them,
-// assimp 5.2.5 loses the animation of nodes with pivots and inverts post-rotations.
+// assimp 5.2.5 loses the animation of nodes with pivots and inverts post-rotations. glTF is checked
+// before assimp reads it (see CheckGltf).
 //
 // Replaces assimp's logger, which is global. INVALID_ARGUMENT with the file's name: assimp's own
 // message, the name of a file that the scene refers to, or a variant of the format that is not

@@ -30,6 +30,15 @@ bool HasChannels(const aiScene& scene) {
                      [](const aiAnimation* animation) { return animation->mNumChannels > 0; });
 }
 
+std::vector<core::TakeInfo> InfoOfTakes(const std::vector<SceneTake>& takes) {
+  std::vector<core::TakeInfo> infos;
+  infos.reserve(takes.size());
+  for (const SceneTake& take : takes) {
+    infos.push_back({take.name, take.animation->mDuration / TicksPerSecond(*take.animation)});
+  }
+  return infos;
+}
+
 // Estimates the conventions from the figure, in the file's unit.
 absl::StatusOr<core::DeducedConventions> DeduceFromTake(const SceneSkeleton& skeleton,
                                                         const TakeSampler& sampler,
@@ -85,14 +94,16 @@ absl::StatusOr<core::MotionFile> ReadScene(core::FileFormat format, core::Source
   const std::vector<NodeUse> uses = UsesOfNodes(scene, nodes, places);
   MOTIONDB_ASSIGN_OR_RETURN(const SceneSkeleton skeleton,
                             FindSkeleton(file.name, scene, nodes, uses, report.notes));
-  MOTIONDB_ASSIGN_OR_RETURN(const SceneTake take,
-                            ChooseTake(file.name, scene, places, uses, options.take));
-  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<JointTrack> tracks,
-                            FindTracks(file.name, format, nodes, places, skeleton, take));
+  const std::vector<SceneTake> takes = FindTakes(scene, places, uses);
+  MOTIONDB_ASSIGN_OR_RETURN(const SceneTake take, ChooseTake(file.name, takes, options.take));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const std::vector<JointTrack> tracks,
+      FindTracks(file.name, format, nodes, places, skeleton, take, loaded.curves));
   MOTIONDB_ASSIGN_OR_RETURN(const StatedConventions stated,
                             FindStatedConventions(format, file, scene, report.notes));
-  MOTIONDB_ASSIGN_OR_RETURN(const SceneTiming timing,
-                            TimeTake(file.name, take, tracks, stated.frame_rate_hz, report.notes));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const SceneTiming timing,
+      TimeTake(file.name, take, tracks, {stated.frame_rate_hz, loaded.key_rate_hz}, report.notes));
 
   TakeSampler sampler({file.name, skeleton, tracks, timing});
   MOTIONDB_RETURN_IF_ERROR(sampler.Measure());
@@ -106,6 +117,7 @@ absl::StatusOr<core::MotionFile> ReadScene(core::FileFormat format, core::Source
   if (options.frame_rate_hz) motion.frame_rate_hz = *options.frame_rate_hz;
   read.motion = std::move(motion);
   if (!options.take.empty()) read.take = take.name;
+  if (takes.size() > 1) read.takes = InfoOfTakes(takes);
   return read;
 }
 

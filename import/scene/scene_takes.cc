@@ -142,9 +142,8 @@ std::vector<NodeUse> UsesOfNodes(const aiScene& scene, const std::vector<SceneNo
   return uses;
 }
 
-absl::StatusOr<SceneTake> ChooseTake(std::string_view file_name, const aiScene& scene,
-                                     const NodePlaces& places, const std::vector<NodeUse>& uses,
-                                     std::string_view wanted) {
+std::vector<SceneTake> FindTakes(const aiScene& scene, const NodePlaces& places,
+                                 const std::vector<NodeUse>& uses) {
   std::vector<SceneTake> all;
   std::vector<SceneTake> moving;
   core::UniqueNames names;
@@ -156,10 +155,14 @@ absl::StatusOr<SceneTake> ChooseTake(std::string_view file_name, const aiScene& 
                    .animation = &animation});
     if (TakeMoves(animation, places, uses)) moving.push_back(all.back());
   }
-  const std::vector<SceneTake>& counted = moving.empty() ? all : moving;
-  if (wanted.empty() && counted.size() == 1) return counted.front();
-  const SceneTake* const found = wanted.empty() ? nullptr : FindTake(counted, wanted);
-  if (found == nullptr) return TakeRequired(file_name, counted, wanted);
+  return moving.empty() ? all : moving;
+}
+
+absl::StatusOr<SceneTake> ChooseTake(std::string_view file_name,
+                                     const std::vector<SceneTake>& takes, std::string_view wanted) {
+  if (wanted.empty() && takes.size() == 1) return takes.front();
+  const SceneTake* const found = wanted.empty() ? nullptr : FindTake(takes, wanted);
+  if (found == nullptr) return TakeRequired(file_name, takes, wanted);
   return *found;
 }
 

@@ -41,12 +41,15 @@ struct SceneTake {
   const aiAnimation* animation = nullptr;
 };
 
+// Returns the takes of the scene, in its order. A take in which no node moves, besides cameras and
+// lights, does not count if others move. REQUIRES: the scene has an animation. O(keys).
+std::vector<SceneTake> FindTakes(const aiScene& scene, const NodePlaces& places,
+                                 const std::vector<NodeUse>& uses);
+
 // Returns the take with the name `wanted`, or else with this number from 1; for an empty text the
-// only one. A take in which no node moves, besides cameras and lights, does not count if others
-// move. INVALID_ARGUMENT, TAKE_REQUIRED with the JSON array of the names (at most 100) as resource
-// "takes", if `wanted` is missing or names no take. REQUIRES: there is a take.
-absl::StatusOr<SceneTake> ChooseTake(std::string_view file_name, const aiScene& scene,
-                                     const NodePlaces& places, const std::vector<NodeUse>& uses,
-                                     std::string_view wanted);
+// only one. INVALID_ARGUMENT, TAKE_REQUIRED with the JSON array of the names (at most 2 KiB) as
+// resource "takes", if `wanted` is missing or names no take. REQUIRES: there is a take.
+absl::StatusOr<SceneTake> ChooseTake(std::string_view file_name,
+                                     const std::vector<SceneTake>& takes, std::string_view wanted);
 
 }  // namespace motiondb::importer

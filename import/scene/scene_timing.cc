@@ -1,6 +1,5 @@
 #include "import/scene/scene_timing.h"
 
-#include <assimp/anim.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +17,7 @@ namespace motiondb::importer {
 
 namespace {
 
-constexpr double kDefaultTicksPerSecond = 25;  // of assimp, for 0
+constexpr double kDefaultTicksPerSecond = 25;
 constexpr double kSparse_hz = 10;
 constexpr double kUsual_hz = 30;
 constexpr double kDensest_hz = 250;  // of irregular keys
@@ -104,14 +103,21 @@ double RateOfKeys(const KeySpacing& spacing, std::vector<std::string>& notes) {
 
 }  // namespace
 
+double TicksPerSecond(const aiAnimation& animation) {
+  return animation.mTicksPerSecond == 0 ? kDefaultTicksPerSecond : animation.mTicksPerSecond;
+}
+
 absl::StatusOr<SceneTiming> TimeTake(std::string_view file_name, const SceneTake& take,
                                      const std::vector<JointTrack>& tracks,
-                                     std::optional<double> stated_hz,
-                                     std::vector<std::string>& notes) {
+                                     const StatedRates& stated, std::vector<std::string>& notes) {
   const std::string where = fmt::format("{}: take '{}'", file_name, core::Shown(take.name));
-  const double stated_ticks = take.animation->mTicksPerSecond;
-  const double ticks_per_second = stated_ticks == 0 ? kDefaultTicksPerSecond : stated_ticks;
+  const double ticks_per_second = TicksPerSecond(*take.animation);
   KeyTimes times = FindKeyTimes(tracks);
+  if (times.densest.empty() && stated.keys_hz) {
+    return SceneTiming{.ticks_per_frame = ticks_per_second / *stated.keys_hz,
+                       .rate_hz = *stated.keys_hz,
+                       .frames = 1};
+  }
   if (times.densest.empty()) {
     return core::InvalidArgument("{}: no joint has more than one key: it does not move", where);
   }
@@ -124,8 +130,14 @@ absl::StatusOr<SceneTiming> TimeTake(std::string_view file_name, const SceneTake
   }
   SceneTiming timing{.first_tick = times.first};
   constexpr double kCloseRate = 1.001;
-  if (stated_hz && *stated_hz >= kSparse_hz && *stated_hz * kCloseRate >= 1 / spacing.mean_s) {
-    timing.rate_hz = core::SnapFrameRate(*stated_hz, notes);
+  const auto reaches_keys = [&](const std::optional<double>& rate_hz) {
+    return rate_hz && *rate_hz * kCloseRate >= 1 / spacing.mean_s;
+  };
+  const bool is_stated = reaches_keys(stated.keys_hz);
+  if (is_stated) {
+    timing.rate_hz = *stated.keys_hz;
+  } else if (reaches_keys(stated.display_hz) && *stated.display_hz >= kSparse_hz) {
+    timing.rate_hz = core::SnapFrameRate(*stated.display_hz, notes);
   } else {
     timing.rate_hz = RateOfKeys(spacing, notes);
   }
@@ -133,9 +145,9 @@ absl::StatusOr<SceneTiming> TimeTake(std::string_view file_name, const SceneTake
     return core::InvalidArgument("{}: expected keys at 0.001 to 100000 Hz, found {:.4g} Hz", where,
                                  timing.rate_hz);
   }
-  // Rounding may put the last key just before its frame.
-  constexpr double kRounding = 0.01;  // of a frame
-  const double frames = std::floor(seconds * timing.rate_hz + kRounding) + 1;
+  // Rounding may put the last key just before its frame; single precision of long takes further.
+  const double rounding = is_stated ? 0.5 : 0.01;  // of a frame
+  const double frames = std::floor(seconds * timing.rate_hz + rounding) + 1;
   if (!(frames * static_cast<double>(tracks.size()) <= kMaxJointPoses)) {
     return core::InvalidArgument(
         "{}: {:.0f} frames of {} joints at {:.8g} Hz are more than {:.0f} joint poses", where,

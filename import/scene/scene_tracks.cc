@@ -85,42 +85,73 @@ class KeyCheck {
   const bool may_be_negative_;
 };
 
-// Moves `key` to the last key at or before `ticks`, and returns the interpolation to the next one.
-template <typename Key, typename Interpolate>
-auto ValueAt(const Key* keys, unsigned count, double ticks, unsigned& key,
-             const Interpolate& interpolate) {
+Eigen::Vector3d Coordinates(const aiVector3D& v) { return ToEigen(v); }
+// In the order of glTF, not normalized.
+Eigen::Vector4d Coordinates(const aiQuaternion& q) { return {q.x, q.y, q.z, q.w}; }
+
+Eigen::Vector3d Interpolate(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double t) {
+  return a + t * (b - a);
+}
+
+Eigen::Quaterniond Interpolate(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double t) {
+  return a.slerp(t, b);
+}
+
+Eigen::Vector3d FromCoordinates(const Eigen::Vector3d& v) { return v; }
+Eigen::Quaterniond FromCoordinates(const Eigen::Vector4d& q) {
+  return Eigen::Quaterniond(q).normalized();
+}
+
+// Returns the cubic spline from key `k` to the next one. `t`: 0 to 1; `span`: in ticks.
+template <typename Key>
+auto SplineAt(const Key* keys, const std::vector<float>& tangents, unsigned k, double t,
+              double span) {
+  using Vector = decltype(Coordinates(keys[0].mValue));
+  constexpr Eigen::Index kWidth = Vector::RowsAtCompileTime;
+  const auto tangent = [&](std::size_t i) -> Vector {
+    return Eigen::Map<const Eigen::Matrix<float, kWidth, 1>>(tangents.data() + i * kWidth)
+        .template cast<double>();
+  };
+  const double t2 = t * t;
+  const double t3 = t2 * t;
+  const Vector value = (2 * t3 - 3 * t2 + 1) * Coordinates(keys[k].mValue) +
+                       (t3 - 2 * t2 + t) * span * tangent(2 * std::size_t{k} + 1) +
+                       (3 * t2 - 2 * t3) * Coordinates(keys[k + 1].mValue) +
+                       (t3 - t2) * span * tangent(2 * std::size_t{k} + 2);
+  return FromCoordinates(value);
+}
+
+// Moves `key` to the last key at or before `ticks`, and returns the value at `ticks`.
+template <typename Key>
+auto ValueAt(const Key* keys, unsigned count, const KeyCurve* curve, double ticks, unsigned& key) {
   while (key + 1 < count && keys[key + 1].mTime <= ticks) ++key;
   const auto value = ToEigen(keys[key].mValue);
   if (key + 1 == count || ticks <= keys[key].mTime) return value;
   const double span = keys[key + 1].mTime - keys[key].mTime;  // above 0: the next key is later
-  return interpolate(value, ToEigen(keys[key + 1].mValue), (ticks - keys[key].mTime) / span);
-}
-
-Eigen::Vector3d VectorAt(const aiVectorKey* keys, unsigned count, double ticks, unsigned& key) {
-  return ValueAt(keys, count, ticks, key,
-                 [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, double t) {
-                   return Eigen::Vector3d(a + t * (b - a));
-                 });
-}
-
-Eigen::Quaterniond RotationAt(const aiQuatKey* keys, unsigned count, double ticks, unsigned& key) {
-  return ValueAt(keys, count, ticks, key,
-                 [](const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double t) {
-                   return a.slerp(t, b);
-                 });
+  const double t = (ticks - keys[key].mTime) / span;
+  switch (curve == nullptr ? KeyInterpolation::kLinear : curve->interpolation) {
+    case KeyInterpolation::kStep:
+      return value;
+    case KeyInterpolation::kCubicSpline:
+      return SplineAt(keys, curve->tangents, key, t, span);
+    default:
+      return Interpolate(value, ToEigen(keys[key + 1].mValue), t);
+  }
 }
 
 // Puts the channels of the take at the parts of the joints' nodes. An FBX node X with a channel "X"
 // and pre- or post-rotations is a special case: the channel has the whole transform, translation *
 // pre * rotation * post * scale; FBX has the inverse of `post`.
 void PutChannel(const SceneNode& node, const NodePlace& place, const aiNodeAnim& channel,
-                JointTrack& track) {
+                const SceneCurves& curves, JointTrack& track) {
   const bool is_whole = place.part + 1 == static_cast<int>(node.parts.size());
   if (is_whole && node.parts.size() > 1) {
     const Eigen::Matrix3d inverse_post = InversePostRotation(node);
     track.parts = {{.channel = &channel, .after_rotation = inverse_post * inverse_post}};
   } else if (place.part < std::ssize(track.parts)) {
+    const auto found = curves.find(&channel);
     track.parts[place.part].channel = &channel;
+    track.parts[place.part].curves = found == curves.end() ? nullptr : &found->second;
   }
 }
 
@@ -128,7 +159,8 @@ void PutChannel(const SceneNode& node, const NodePlace& place, const aiNodeAnim&
 
 absl::StatusOr<std::vector<JointTrack>> FindTracks(
     std::string_view file_name, core::FileFormat format, const std::vector<SceneNode>& nodes,
-    const NodePlaces& places, const SceneSkeleton& skeleton, const SceneTake& take) {
+    const NodePlaces& places, const SceneSkeleton& skeleton, const SceneTake& take,
+    const SceneCurves& curves) {
   if (const double ticks = take.animation->mTicksPerSecond;
       !(ticks >= 0) || !std::isfinite(ticks)) {
     return core::InvalidArgument("{}: take '{}': expected a frame rate above 0, found {}",
@@ -160,7 +192,7 @@ absl::StatusOr<std::vector<JointTrack>> FindTracks(
     }
     MOTIONDB_RETURN_IF_ERROR(
         KeyCheck(file_name, take, channel, format == core::FileFormat::kFbx).Check());
-    PutChannel(nodes[place->second.node], place->second, channel,
+    PutChannel(nodes[place->second.node], place->second, channel, curves,
                tracks[joint_of[place->second.node]]);
   }
   return tracks;
@@ -177,13 +209,17 @@ Eigen::Affine3d TrackCursor::LocalAt(double ticks) {
       continue;
     }
     const aiNodeAnim& channel = *part.channel;
+    const ChannelCurves* const curves = part.curves;
+    Keys& at = keys_[i];
     Eigen::Affine3d moved;
-    moved.linear() =
-        RotationAt(channel.mRotationKeys, channel.mNumRotationKeys, ticks, keys_[i].rotation) *
-        part.after_rotation *
-        VectorAt(channel.mScalingKeys, channel.mNumScalingKeys, ticks, keys_[i].scale).asDiagonal();
-    moved.translation() =
-        VectorAt(channel.mPositionKeys, channel.mNumPositionKeys, ticks, keys_[i].position);
+    moved.linear() = ValueAt(channel.mRotationKeys, channel.mNumRotationKeys,
+                             curves ? &curves->rotation : nullptr, ticks, at.rotation) *
+                     part.after_rotation *
+                     ValueAt(channel.mScalingKeys, channel.mNumScalingKeys,
+                             curves ? &curves->scale : nullptr, ticks, at.scale)
+                         .asDiagonal();
+    moved.translation() = ValueAt(channel.mPositionKeys, channel.mNumPositionKeys,
+                                  curves ? &curves->translation : nullptr, ticks, at.position);
     moved.makeAffine();
     local = local * moved;
   }

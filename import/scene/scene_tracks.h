@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/file_format.h"
+#include "import/scene/key_curves.h"
 #include "import/scene/scene_nodes.h"
 #include "import/scene/scene_skeleton.h"
 #include "import/scene/scene_takes.h"
@@ -19,6 +20,7 @@ namespace motiondb::importer {
 struct TrackPart {
   Eigen::Affine3d rest = Eigen::Affine3d::Identity();  // without channel
   const aiNodeAnim* channel = nullptr;
+  const ChannelCurves* curves = nullptr;  // null: all of the channel is linear
   // Applied between rotation and scale of the channel.
   Eigen::Matrix3d after_rotation = Eigen::Matrix3d::Identity();
 };
@@ -29,8 +31,8 @@ struct JointTrack {
   std::vector<TrackPart> parts;
 };
 
-// Returns the tracks of the skeleton's joints. INVALID_ARGUMENT, with node and number of the key
-// (from 1), if
+// Returns the tracks of the skeleton's joints; `curves` must outlive them. INVALID_ARGUMENT, with
+// node and number of the key (from 1), if
 // - the take's time has no unit above 0;
 // - several nodes have the name of a channel;
 // - a channel lacks keys for translation, rotation or scale;
@@ -38,10 +40,12 @@ struct JointTrack {
 // - a value or a transform is not finite, or a rotation far from a unit quaternion.
 absl::StatusOr<std::vector<JointTrack>> FindTracks(
     std::string_view file_name, core::FileFormat format, const std::vector<SceneNode>& nodes,
-    const NodePlaces& places, const SceneSkeleton& skeleton, const SceneTake& take);
+    const NodePlaces& places, const SceneSkeleton& skeleton, const SceneTake& take,
+    const SceneCurves& curves);
 
-// Evaluates a track at times that ascend: linear and spherical interpolation between keys, constant
-// before the first and after the last. Amortized O(1).
+// Evaluates a track at times that ascend: between keys linear and spherical interpolation, a step
+// at each key, or cubic splines, as the curves tell (glTF 2.0, appendix C); constant before the
+// first and after the last. Amortized O(1).
 class TrackCursor {
  public:
   // `track` must outlive the cursor.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "import/inspection_json.h"
+#include "tests/import/scene/scene_files.h"
 #include "tests/support/humanoid_bvh.h"
 #include "tests/support/temporary_directory.h"
 
@@ -65,6 +66,44 @@ TEST_CASE("Inspector: the skeleton of an AMC file, and given conventions", "[imp
   CHECK(answers[0].at("result").at("metres_per_unit") == 0.02);
   CHECK(answers[0].at("result").at("metres_per_unit_is") == "given");
   CHECK(std::string(answers[1].at("result").at("error")).ends_with("none.asf: no such file"));
+}
+
+TEST_CASE("Inspector: a file that ends its reader is rejected, with advice", "[import]") {
+  const TemporaryDirectory folder;
+  GltfFile deep = NoddingFigure(3);
+  for (int n = 1; n < 60'000; ++n) {
+    deep.json["nodes"][static_cast<std::size_t>(n)] = {{"children", {n + 1}}};
+  }
+  deep.json["nodes"].push_back({{"name", "Last"}});
+  const std::string path = folder / "deep.gltf";
+  std::ofstream(path) << deep.Text();
+  const auto answers = Answers(Json({{"file", path}}).dump() + "\n", {});
+  CHECK_THAT(answers[0].at("result").at("error").get<std::string>(),
+             Catch::StartsWith(path + ": ") &&
+                 Catch::Contains("This gltf file is rejected, and nothing is stored. "));
+}
+
+TEST_CASE("Inspector: lists all takes of a file, and inspects the chosen one", "[import]") {
+  const TemporaryDirectory folder;
+  GltfFile file = NoddingFigure(4);
+  file.AddChannel(file.AddTake("Rise"), 0, "translation", {0, 1, 2}, {0, 1, 0, 0, 2, 0, 0, 3, 0});
+  const std::string path = folder / "two.gltf";
+  std::ofstream(path) << file.Text();
+  const auto answers = Answers(
+      Json({{"file", path}}).dump() + "\n" + Json({{"file", path}, {"take", "Rise"}}).dump() + "\n",
+      {});
+  const std::vector<std::pair<std::string, int>> expected = {{"Nod", 4}, {"Rise", 61}};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Json& result = answers[i].at("result");
+    INFO(result.dump());
+    CHECK(result.at("take") == expected[i].first);
+    CHECK(result.at("frame_count") == expected[i].second);
+    CHECK(result.at("take_count") == 2);
+    REQUIRE(result.at("takes").size() == 2);
+    CHECK(result.at("takes")[0].at("name") == "Nod");
+    CHECK(result.at("takes")[0].at("duration_seconds").get<double>() == Approx(0.1));
+    CHECK(result.at("takes")[1].at("duration_seconds").get<double>() == Approx(2));
+  }
 }
 
 TEST_CASE("AnswerLine: a result cannot forge an answer", "[import]") {

@@ -1,11 +1,13 @@
 #include "core/export/motion_writer.h"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/format/motion_file.h"
 #include "core/motion/forward_kinematics.h"
@@ -98,11 +100,69 @@ TEST_CASE("WriteMotion: joints become points where the format has no joints", "[
     CAPTURE(core::InfoOf(format).name);
     const auto written = core::WriteMotion(format, motion);
     REQUIRE(written.ok());
-    REQUIRE(written->losses.size() == 1);
+    REQUIRE(!written->losses.empty());
     CHECK_THAT(written->losses[0], Catch::StartsWith("hierarchy and joint rotations"));
     const auto back = std::get<core::MarkerMotion>(Back(format, written->bytes));
     REQUIRE(back.positions_m.rows() == expected.positions_m.rows());
     CHECK((back.positions_m - expected.positions_m).cwiseAbs().maxCoeff() < 1e-4F);
+  }
+}
+
+// Names with everything that a format may change.
+core::MarkerMotion OddlyNamedMarkers() {
+  core::MarkerMotion motion{{" left arm ", "left\tarm", "points", "{x}", std::string(300, 'n')},
+                            50,
+                            core::FrameMatrix(3, 15)};
+  motion.positions_m.setRandom();
+  return motion;
+}
+
+TEST_CASE("WriteMotion: names are as before, or reported as lost", "[core][export]") {
+  const core::MarkerMotion markers = OddlyNamedMarkers();
+  for (const auto format :
+       {FileFormat::kTrc, FileFormat::kC3d, FileFormat::kCsv, FileFormat::kBvh}) {
+    CAPTURE(core::InfoOf(format).name);
+    const auto written = core::WriteMotion(format, markers);
+    REQUIRE(written.ok());
+    const core::Motion read = Back(format, written->bytes);
+    std::vector<std::string> back;
+    if (const auto* const points = std::get_if<core::MarkerMotion>(&read)) {
+      back = points->names;
+    } else {
+      for (const core::Joint& joint : std::get<core::JointMotion>(read).skeleton->joints()) {
+        back.push_back(joint.name);
+      }
+    }
+    std::string lost;
+    for (const std::string& loss : written->losses) lost += loss + "\n";
+    INFO(lost);
+    std::size_t changed = 0;
+    for (const std::string& name : markers.names) {
+      if (std::find(back.begin(), back.end(), name) == back.end()) ++changed;
+    }
+    CHECK((changed > 0) == (lost.find("names: ") != lost.npos));
+    CHECK_THAT(lost, Catch::Contains("' left arm ' is '"));
+  }
+  CHECK(core::WriteMotion(FileFormat::kTrc, TwoMarkers())->losses.empty());
+  const auto glb = core::WriteMotion(FileFormat::kGltf, markers);
+  REQUIRE(glb.ok());
+  CHECK_THAT(glb->losses.back(), Catch::Contains("names: 2 of 6 are changed: 'left"));
+}
+
+TEST_CASE("WriteMotion: limits and axes of joints are reported as lost", "[core][export]") {
+  std::vector<core::Joint> joints = OddJoints();
+  const auto losses = [](FileFormat format, const core::JointMotion& motion) {
+    const auto written = core::WriteMotion(format, motion);
+    REQUIRE(written.ok());
+    return written->losses;
+  };
+  joints[1].dofs[0].lower = -1;
+  const core::JointMotion limited = RandomMotion(joints, 3, 50, 1);
+  for (const auto format : {FileFormat::kBvh, FileFormat::kGltf, FileFormat::kNpz}) {
+    const std::vector<std::string> lost = losses(format, limited);
+    REQUIRE(lost.size() >= 2);
+    CHECK_THAT(lost[0], Catch::StartsWith("joint limits: "));
+    CHECK_THAT(lost[1], Catch::StartsWith("joint axes: "));
   }
 }
 

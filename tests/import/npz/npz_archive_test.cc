@@ -237,7 +237,13 @@ TEST_CASE("NpzArchive: members that are not read", "[import]") {
   CHECK_THAT(
       open_error(Zip({{.name = "a.npy", .content = array}, {.name = "a.npy", .content = array}})),
       Contains("two members have the same name"));
-  CHECK_THAT(open_error("no archive"), Contains("walk.npz: expected a NumPy archive (zip)"));
+  CHECK_THAT(open_error("no archive"),
+             Contains("walk.npz: byte 0: expected a NumPy archive (zip), found 'no a'"));
+  const std::string whole = Zip({{.name = "a.npy", .content = array}});
+  CHECK_THAT(
+      open_error(whole.substr(0, 100)),
+      Contains("walk.npz: expected the directory of the archive before byte 100, its end: it "
+               "is truncated"));
   CHECK_THAT(open_error(""), Contains("expected a NumPy archive (zip), found no byte"));
   std::vector<ZipMember> many;
   for (int i = 0; i < 1001; ++i) many.push_back({.name = fmt::format("{}.npy", i), .content = ""});

@@ -15,7 +15,7 @@
 
 #include "core/export/writers.h"
 #include "core/motion/forward_kinematics.h"
-#include "tests/core/format/reading.h"
+#include "tests/import/imported.h"
 #include "tests/import/npz/npz_files.h"
 #include "tests/import/npz/smpl_walk.h"
 #include "tests/support/real_data.h"
@@ -27,14 +27,6 @@ namespace {
 using Catch::Contains;
 using Eigen::Vector3d;
 using importer::SmplModel;
-
-constexpr std::size_t kLimit = 100'000'000;
-
-absl::StatusOr<core::MotionFile> Read(const std::string& bytes,
-                                      const core::ReadOptions& options = {},
-                                      std::size_t limit = kLimit) {
-  return importer::ReadNpz({.name = "walk.npz", .bytes = bytes}, options, limit);
-}
 
 // Returns the maximum distance of joints of the same index, m.
 double MaxDistance(const core::JointMotion& a, const core::JointMotion& b) {
@@ -52,12 +44,6 @@ double MaxDistance(const core::JointMotion& a, const core::JointMotion& b) {
   return max_distance;
 }
 
-double MaxStep(const core::JointMatrix& angles) {
-  return (angles.bottomRows(angles.rows() - 1) - angles.topRows(angles.rows() - 1))
-      .cwiseAbs()
-      .maxCoeff();
-}
-
 }  // namespace
 
 TEST_CASE("ReadNpz: a written motion comes back", "[import]") {
@@ -65,7 +51,7 @@ TEST_CASE("ReadNpz: a written motion comes back", "[import]") {
     const auto bytes = core::WriteNpz(motion);
     INFO(MessageOf(bytes.status()));
     REQUIRE(bytes.ok());
-    const auto file = Read(*bytes);
+    const auto file = ReadNpzBytes(*bytes);
     const core::JointMotion& read = Joints(file);
     CHECK(read.frame_rate_hz == motion.frame_rate_hz);
     CHECK(MaxDistance(motion, read) < 1e-9);
@@ -124,7 +110,7 @@ TEST_CASE("ReadNpz: joints that slide, and any chain of rotations", "[import]") 
   for (Eigen::Index i = 0; i < motion.angles.size(); ++i) motion.angles.data()[i] = number(random);
   const auto bytes = core::WriteNpz(motion);
   REQUIRE(bytes.ok());
-  const auto file = Read(*bytes);
+  const auto file = ReadNpzBytes(*bytes);
   CHECK(MaxDistance(motion, Joints(file)) < 1e-9);
   CHECK(Joints(file).skeleton->joint_count() == 12);
   // Roots 0, 5 and 10, and joints 3, 6 and 9.
@@ -138,7 +124,7 @@ TEST_CASE("ReadNpz: written markers come back", "[import]") {
   motion.positions_m.block<20, 3>(10, 3).setConstant(std::numeric_limits<float>::quiet_NaN());
   const auto bytes = core::WriteNpz(motion);
   REQUIRE(bytes.ok());
-  const auto file = Read(*bytes);
+  const auto file = ReadNpzBytes(*bytes);
   const core::MarkerMotion& read = Markers(file);
   CHECK(read.names == motion.names);
   CHECK(read.frame_rate_hz == motion.frame_rate_hz);
@@ -157,7 +143,7 @@ TEST_CASE("ReadNpz: options convert motiondb's archives too", "[import]") {
   REQUIRE(bytes.ok());
   Eigen::Matrix3d from_y_up;
   from_y_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  const auto file = Read(*bytes, {.metres_per_unit = 2, .up_axis = core::UpAxis::kY});
+  const auto file = ReadNpzBytes(*bytes, {.metres_per_unit = 2, .up_axis = core::UpAxis::kY});
   const auto before = core::ForwardKinematics(*motion.skeleton, motion.angles.row(20));
   const auto after = core::ForwardKinematics(*Joints(file).skeleton, Joints(file).angles.row(20));
   for (std::size_t j = 0; j < before.size(); ++j) {
@@ -174,13 +160,13 @@ TEST_CASE("ReadNpz: errors of motiondb's archives", "[import]") {
       {"offsets_m", Float64Npy({2, 3}, {0, 0, 0, 0, 0, 1})},
       {"local_rotations", Float64Npy({1, 2, 4}, {0, 0, 0, 1, 0, 0, 0, 1})},
       {"local_positions_m", Float64Npy({1, 2, 3}, {0, 0, 0, 0, 0, 1})}};
-  CHECK(Joints(Read(NpzOf(good))).skeleton->joint_count() == 2);
+  CHECK(Joints(ReadNpzBytes(NpzOf(good))).skeleton->joint_count() == 2);
   const auto check = [&](const std::string& name, const std::string& npy,
                          const std::string& expected) {
     NpzArrays arrays = good;
     arrays[name] = npy;
     if (npy.empty()) arrays.erase(name);
-    const std::string message = ErrorMessageOf(Read(NpzOf(arrays)));
+    const std::string message = ErrorMessageOf(ReadNpzBytes(NpzOf(arrays)));
     CHECK_THAT(message, Catch::StartsWith("walk.npz: "));
     CHECK_THAT(message, Contains(expected));
   };
@@ -216,10 +202,11 @@ TEST_CASE("ReadNpz: errors of motiondb's archives", "[import]") {
                   {"marker_names", Npy(NpyDictionary("|S1", {1}), "a")},
                   {"positions_m", Float64Npy({1, positions.size() / 3, 3}, positions)}});
   };
-  CHECK(Read(markers({1, 2, 3})).ok());
-  CHECK_THAT(ErrorMessageOf(Read(markers({1, 2, NAN}))),
+  CHECK(ReadNpzBytes(markers({1, 2, 3})).ok());
+  CHECK_THAT(ErrorMessageOf(ReadNpzBytes(markers({1, 2, NAN}))),
              Contains("frame 0, column 0: expected all three coordinates of marker 'a' or none"));
-  CHECK_THAT(ErrorMessageOf(Read(markers({1, 2, 3, 4, 5, 6}))), Contains("one frame of 3 numbers"));
+  CHECK_THAT(ErrorMessageOf(ReadNpzBytes(markers({1, 2, 3, 4, 5, 6}))),
+             Contains("one frame of 3 numbers"));
 }
 
 TEST_CASE("ReadNpz: truncated and corrupt archives are rejected or read", "[import]") {
@@ -229,21 +216,22 @@ TEST_CASE("ReadNpz: truncated and corrupt archives are rejected or read", "[impo
     if (name == "trans") npy = Float64Npy({4, 3}, std::vector<double>(12, 0.5));
     if (name == "dmpls") npy = Float64Npy({1}, {1});
   }
-  const auto written = core::WriteNpz(Joints(Read(NpzOf(small))));
+  const auto written = core::WriteNpz(Joints(ReadNpzBytes(NpzOf(small))));
   REQUIRE(written.ok());
   std::mt19937 random(9);
   for (const std::string& bytes : {NpzOf(small), *written}) {
-    REQUIRE(Read(bytes).ok());
+    REQUIRE(ReadNpzBytes(bytes).ok());
     for (std::size_t size = 0; size < bytes.size(); size += 50) {
       CAPTURE(size);
-      CHECK_THAT(ErrorMessageOf(Read(bytes.substr(0, size))), Catch::StartsWith("walk.npz: "));
+      CHECK_THAT(ErrorMessageOf(ReadNpzBytes(bytes.substr(0, size))),
+                 Catch::StartsWith("walk.npz: "));
     }
     for (int i = 0; i < 1000; ++i) {
       std::string corrupt = bytes;
       for (int k = 0; k < 1 + i % 3; ++k) {
         corrupt[random() % corrupt.size()] = static_cast<char>(random());
       }
-      Read(corrupt).IgnoreError();  // under the sanitizers
+      ReadNpzBytes(corrupt).IgnoreError();  // under the sanitizers
     }
   }
   // Corrupt arrays with right checksums.
@@ -253,7 +241,7 @@ TEST_CASE("ReadNpz: truncated and corrupt archives are rejected or read", "[impo
     std::advance(at, static_cast<std::ptrdiff_t>(random() % corrupt.size()));
     at->second[random() % std::min<std::size_t>(at->second.size(), 100)] =
         static_cast<char>(random());
-    Read(NpzOf(corrupt)).IgnoreError();
+    ReadNpzBytes(NpzOf(corrupt)).IgnoreError();
   }
 }
 

@@ -16,7 +16,7 @@
 #include "core/motion/states.h"
 #include "import/npz/npz_reader.h"
 #include "import/npz/smpl_body.h"
-#include "tests/core/format/reading.h"
+#include "tests/import/imported.h"
 #include "tests/import/npz/npz_files.h"
 #include "tests/import/npz/smpl_walk.h"
 
@@ -27,26 +27,6 @@ using Catch::Contains;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using importer::SmplModel;
-
-constexpr std::size_t kLimit = 100'000'000;
-
-absl::StatusOr<core::MotionFile> Read(const std::string& bytes,
-                                      const core::ReadOptions& options = {},
-                                      std::size_t limit = kLimit) {
-  return importer::ReadNpz({.name = "walk.npz", .bytes = bytes}, options, limit);
-}
-
-std::string NotesOf(const absl::StatusOr<core::MotionFile>& file) {
-  INFO(MessageOf(file.status()));
-  REQUIRE(file.ok());
-  return core::Describe(file->report);
-}
-
-double MaxStep(const core::JointMatrix& angles) {
-  return (angles.bottomRows(angles.rows() - 1) - angles.topRows(angles.rows() - 1))
-      .cwiseAbs()
-      .maxCoeff();
-}
 
 // Returns the maximum distance of the joints of two motions, m.
 double MaxDifference(const core::JointMotion& a, const core::JointMotion& b) {
@@ -145,7 +125,7 @@ const Matrix3d kFromYUp = (Matrix3d() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished();
 TEST_CASE("ReadNpz: AMASS archives of SMPL-H and SMPL-X", "[import]") {
   for (const SmplModel model : {SmplModel::kSmplH, SmplModel::kSmplX}) {
     CAPTURE(importer::NameOf(model));
-    const auto file = Read(NpzOf(AmassWalk(model)));
+    const auto file = ReadNpzBytes(NpzOf(AmassWalk(model)));
     const core::JointMotion& motion = Joints(file);
     CHECK(motion.frame_rate_hz == kGaitRate_hz);
     CheckPositions(motion, model, SmplWalk(model, true), 1.75, kSame);
@@ -172,7 +152,7 @@ TEST_CASE("ReadNpz: a walk in every direction is read alike", "[import]") {
     NpzArrays arrays = AmassWalk(SmplModel::kSmplH);
     arrays["poses"] = Float64Npy({kGaitFrames, 156}, gait.poses);
     arrays["trans"] = Float64Npy({kGaitFrames, 3}, gait.trans);
-    const auto file = Read(NpzOf(arrays));
+    const auto file = ReadNpzBytes(NpzOf(arrays));
     CheckPositions(Joints(file), SmplModel::kSmplH, gait, 1.75, kSame);
     CHECK(MaxStep(Joints(file).angles) < 0.1);
   }
@@ -198,19 +178,19 @@ TEST_CASE("ReadNpz: AMASS archives in parts", "[import]") {
   arrays["pose_hand"] = part(75, 90);
   arrays["mocap_frame_rate"] = Float64Npy({}, {59.999});
   arrays["surface_model_type"] = TextNpy("smplx_locked_head");
-  const auto whole = Read(NpzOf(arrays));
+  const auto whole = ReadNpzBytes(NpzOf(arrays));
   CheckPositions(Joints(whole), SmplModel::kSmplX, gait, 1.75, kSame);
   CHECK(Joints(whole).frame_rate_hz == 60);
 
   for (const char* const name : {"pose_jaw", "pose_eye", "pose_hand"}) arrays.erase(name);
-  const auto body = Read(NpzOf(arrays));
+  const auto body = ReadNpzBytes(NpzOf(arrays));
   CheckPositions(Joints(body), SmplModel::kSmplX, gait, 1.75, kSame);  // the walk moves no finger
   CHECK_THAT(NotesOf(body), Contains("33 joints without rotations in the file do not move"));
 
   arrays.erase("surface_model_type");
-  CHECK(Joints(Read(NpzOf(arrays))).skeleton->joint_count() == 24);
+  CHECK(Joints(ReadNpzBytes(NpzOf(arrays))).skeleton->joint_count() == 24);
   arrays["pose_hand"] = part(75, 90);
-  CHECK(Joints(Read(NpzOf(arrays))).skeleton->joint_count() == 52);
+  CHECK(Joints(ReadNpzBytes(NpzOf(arrays))).skeleton->joint_count() == 52);
 }
 
 TEST_CASE("ReadNpz: SMPL with y up, deduced, and without frame rate", "[import]") {
@@ -218,49 +198,58 @@ TEST_CASE("ReadNpz: SMPL with y up, deduced, and without frame rate", "[import]"
   NpzArrays arrays = {{"poses", Float64Npy({kGaitFrames, 24, 3}, gait.poses)},
                       {"trans", Float64Npy({kGaitFrames, 3}, gait.trans)},
                       {"gender", TextNpy("b'female'")}};
-  const auto file = Read(NpzOf(arrays));
+  const auto file = ReadNpzBytes(NpzOf(arrays));
   CheckPositions(Joints(file), SmplModel::kSmpl, gait, 1.62, kFromYUp);
   CheckPerson(*file, 0.491 * 1.62);
   CHECK(Joints(file).frame_rate_hz == 30);
   CHECK(file->report.up_axis == core::UpAxis::kY);
   CHECK(file->report.up_provenance == core::Provenance::kDeduced);
   CHECK_THAT(NotesOf(file), Contains("the file has no frame rate: 30 Hz assumed"));
+  CHECK_THAT(NotesOf(file), !Contains("neutral assumed"));
+  NpzArrays other = arrays;
+  other["gender"] = TextNpy("unknown");
+  CHECK_THAT(NotesOf(ReadNpzBytes(NpzOf(other))),
+             Contains("gender 'unknown' is not male, female or neutral: neutral assumed"));
+  other.erase("gender");
+  CHECK_THAT(NotesOf(ReadNpzBytes(NpzOf(other))),
+             Contains("the file states no gender: neutral assumed"));
 
   arrays["fps"] = Npy(NpyDictionary("<i8", {}), BytesOf<std::int64_t>({25}));
-  CHECK(Joints(Read(NpzOf(arrays))).frame_rate_hz == 25);
-  CHECK(Joints(Read(NpzOf(arrays), {.frame_rate_hz = 50})).frame_rate_hz == 50);
+  CHECK(Joints(ReadNpzBytes(NpzOf(arrays))).frame_rate_hz == 25);
+  CHECK(Joints(ReadNpzBytes(NpzOf(arrays), {.frame_rate_hz = 50})).frame_rate_hz == 50);
 
   const Gait z_up = SmplWalk(SmplModel::kSmpl, true);
   arrays["poses"] = Float64Npy({kGaitFrames, 72}, z_up.poses);
   arrays["trans"] = Float64Npy({kGaitFrames, 3}, z_up.trans);
-  const auto deduced = Read(NpzOf(arrays));
+  const auto deduced = ReadNpzBytes(NpzOf(arrays));
   REQUIRE(deduced.ok());
   CHECK(deduced->report.up_axis == core::UpAxis::kZ);
   CheckPositions(Joints(deduced), SmplModel::kSmpl, z_up, 1.62, kSame);
-  const auto given = Read(NpzOf(arrays), {.up_axis = core::UpAxis::kY});
+  const auto given = ReadNpzBytes(NpzOf(arrays), {.up_axis = core::UpAxis::kY});
   CheckPositions(Joints(given), SmplModel::kSmpl, z_up, 1.62, kFromYUp);
 }
 
 TEST_CASE("ReadNpz: AIST++", "[import]") {
-  const auto file = Read(NpzOf(AistArrays()));
+  const auto file = ReadNpzBytes(NpzOf(AistArrays()));
   CheckPositions(Joints(file), SmplModel::kSmpl, SmplWalk(SmplModel::kSmpl, false), 1.69, kFromYUp);
   CheckPerson(*file, 0.491 * 1.69);
   CHECK(Joints(file).frame_rate_hz == 60);
   CHECK_THAT(NotesOf(file), Contains("60 Hz assumed, as in AIST++"));
   NpzArrays wrong = AistArrays();
   wrong["smpl_scaling"] = Float64Npy({1}, {0});
-  CHECK_THAT(ErrorMessageOf(Read(NpzOf(wrong))), Contains("array 'smpl_scaling': expected"));
+  CHECK_THAT(ErrorMessageOf(ReadNpzBytes(NpzOf(wrong))),
+             Contains("array 'smpl_scaling': expected"));
 }
 
 TEST_CASE("ReadNpz: numbers of other types and orders are the same motion", "[import]") {
   const Gait gait = SmplWalk(SmplModel::kSmplH, true);
-  const auto expected = Read(NpzOf(AmassWalk(SmplModel::kSmplH)));
+  const auto expected = ReadNpzBytes(NpzOf(AmassWalk(SmplModel::kSmplH)));
   NpzArrays arrays = AmassWalk(SmplModel::kSmplH);
   arrays["poses"] =
       Npy(NpyDictionary(">f8", {kGaitFrames, 156}), BytesOf<double>(gait.poses, true));
-  CHECK(MaxDifference(Joints(Read(NpzOf(arrays))), Joints(expected)) < 1e-12);
+  CHECK(MaxDifference(Joints(ReadNpzBytes(NpzOf(arrays))), Joints(expected)) < 1e-12);
   arrays["poses"] = Npy(NpyDictionary("<f4", {kGaitFrames, 156}), BytesOf<float>(gait.poses));
-  CHECK(MaxDifference(Joints(Read(NpzOf(arrays))), Joints(expected)) < 1e-5);
+  CHECK(MaxDifference(Joints(ReadNpzBytes(NpzOf(arrays))), Joints(expected)) < 1e-5);
   std::vector<double> fortran;
   for (std::size_t column = 0; column < 156; ++column) {
     for (std::size_t frame = 0; frame < kGaitFrames; ++frame) {
@@ -268,14 +257,14 @@ TEST_CASE("ReadNpz: numbers of other types and orders are the same motion", "[im
     }
   }
   arrays["poses"] = Npy(NpyDictionary("<f8", {kGaitFrames, 156}, true), BytesOf<double>(fortran));
-  CHECK(MaxDifference(Joints(Read(NpzOf(arrays))), Joints(expected)) < 1e-12);
+  CHECK(MaxDifference(Joints(ReadNpzBytes(NpzOf(arrays))), Joints(expected)) < 1e-12);
 }
 
 TEST_CASE("ReadNpz: texts in object arrays do not prevent reading", "[import]") {
   NpzArrays arrays = AmassWalk(SmplModel::kSmplX);
   arrays["gender"] = Npy("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }\n", "pickle");
   arrays["surface_model_type"] = arrays["gender"];
-  CHECK_THAT(NotesOf(Read(NpzOf(arrays))), Contains("neutral, stature 1.69 m"));
+  CHECK_THAT(NotesOf(ReadNpzBytes(NpzOf(arrays))), Contains("neutral, stature 1.69 m"));
 }
 
 TEST_CASE("ReadNpz: errors of SMPL archives", "[import]") {
@@ -287,7 +276,7 @@ TEST_CASE("ReadNpz: errors of SMPL archives", "[import]") {
     } else {
       arrays[name] = npy;
     }
-    const std::string message = ErrorMessageOf(Read(NpzOf(arrays)));
+    const std::string message = ErrorMessageOf(ReadNpzBytes(NpzOf(arrays)));
     CHECK_THAT(message, Catch::StartsWith("walk.npz: "));
     return message;
   };
@@ -322,7 +311,7 @@ TEST_CASE("ReadNpz: errors of SMPL archives", "[import]") {
     CHECK_THAT(error("poses", Float64Npy({kGaitFrames, 156}, poses)),
                Contains("array 'poses': frame 7, column 12: expected a finite number, found "));
   }
-  CHECK_THAT(ErrorMessageOf(Read(NpzOf(good), {}, 100'000)), Contains("limit of 100000"));
+  CHECK_THAT(ErrorMessageOf(ReadNpzBytes(NpzOf(good), {}, 100'000)), Contains("limit of 100000"));
 }
 
 TEST_CASE("ReadNpz: few bytes do not become a long motion", "[import]") {
@@ -332,7 +321,7 @@ TEST_CASE("ReadNpz: few bytes do not become a long motion", "[import]") {
       NpzOf({{"poses", Npy(NpyDictionary("|i1", {frames, 156}), std::string(frames * 156, '\0'))},
              {"trans", Npy(NpyDictionary("|i1", {frames, 3}), std::string(frames * 3, '\0'))},
              {"fps", Float64Npy({}, {30})}});
-  CHECK_THAT(ErrorMessageOf(Read(bytes, {}, 10'000'000)),
+  CHECK_THAT(ErrorMessageOf(ReadNpzBytes(bytes, {}, 10'000'000)),
              Contains("the motion of 20000 frames exceeds the limit of 10000000 bytes"));
 }
 

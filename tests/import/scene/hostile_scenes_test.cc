@@ -33,7 +33,7 @@ absl::StatusOr<core::MotionFile> ReadHostile(FileFormat format, std::string_view
     CHECK(Joints(file).angles.allFinite());
     CHECK(Joints(file).skeleton->joint_count() <= core::kMaxFileJoints);
   } else {
-    CHECK(ErrorMessageOf(file).starts_with("hostile: "));
+    CHECK(ErrorMessageOf(file).starts_with("hostile:"));
   }
   return file;
 }
@@ -125,6 +125,16 @@ TEST_CASE("Hostile scenes: glTF accessors and buffers", "[import][scene]") {
                                        {"accessors", "byteOffset", 4'000'000'000U},
                                        {"accessors", "bufferView", 99},
                                        {"accessors", "type", "MAT4"},
+                                       {"accessors", "type", 5},
+                                       {"accessors", "componentType", 0},
+                                       {"accessors", "componentType", 5124},
+                                       {"accessors", "componentType", 5120},
+                                       {"accessors", "componentType", 5125},
+                                       {"accessors", "componentType", "5126"},
+                                       {"accessors", "componentType", -1},
+                                       {"accessors", "count", 2},
+                                       {"accessors", "count", 4},
+                                       {"accessors", "sparse", {{"count", 1}}},
                                        {"accessors", "bufferView", "x"},
                                        {"bufferViews", "buffer", 99},
                                        {"bufferViews", "byteOffset", 1'000'000},
@@ -193,6 +203,12 @@ TEST_CASE("Hostile scenes: truncated files", "[import][scene]") {
   for (std::size_t size = 0; size < collada.size(); size += 17) {
     CHECK_FALSE(ReadHostile(FileFormat::kCollada, std::string_view(collada).substr(0, size)).ok());
   }
+  const std::string lines = Replaced(collada, "<library_animations>", "\n<library_animations>\n");
+  CHECK_THAT(ErrorMessageOf(importer::ReadScene(
+                 FileFormat::kCollada,
+                 {.name = "walk.dae", .bytes = std::string_view(lines).substr(0, 600)}, {})),
+             Catch::StartsWith("walk.dae:") && Catch::Contains("expected well-formed XML") &&
+                 Catch::EndsWith("It ends at byte 600"));
   // FBX without its last connections is a complete file.
   const std::string fbx = SmallFbx().Text();
   CHECK(ReadHostile(FileFormat::kFbx, fbx).ok());

@@ -68,14 +68,29 @@ GltfFile::GltfFile() {
 }
 
 int GltfFile::AddFloats(const std::vector<float>& values, int width) {
+  return AddAccessor(BytesOf(values), 5126, values.size() / static_cast<std::size_t>(width), width);
+}
+
+int GltfFile::AddShorts(const std::vector<float>& values, int width) {
+  std::string bytes;
+  for (const float value : values) {
+    const auto number = static_cast<std::int16_t>(std::lround(value * 32767));
+    bytes += {static_cast<char>(number & 255), static_cast<char>(number >> 8)};
+  }
+  const int index =
+      AddAccessor(bytes, 5122, values.size() / static_cast<std::size_t>(width), width);
+  json["accessors"].back()["normalized"] = true;
+  return index;
+}
+
+int GltfFile::AddAccessor(const std::string& bytes, int component, std::size_t count, int width) {
   const int index = static_cast<int>(json["accessors"].size());
-  const std::string bytes = BytesOf(values);
   json["buffers"].push_back(
       {{"byteLength", bytes.size()}, {"uri", std::string(kDataUri) + Base64(bytes)}});
   json["bufferViews"].push_back({{"buffer", index}, {"byteLength", bytes.size()}});
   json["accessors"].push_back({{"bufferView", index},
-                               {"componentType", 5126},
-                               {"count", values.size() / static_cast<std::size_t>(width)},
+                               {"componentType", component},
+                               {"count", count},
                                {"type", width == 1   ? "SCALAR"
                                         : width == 3 ? "VEC3"
                                                      : "VEC4"}});
@@ -90,11 +105,13 @@ int GltfFile::AddTake(std::string_view name) {
 }
 
 void GltfFile::AddChannel(int take, int node, std::string_view path,
-                          const std::vector<float>& times_s, const std::vector<float>& values) {
+                          const std::vector<float>& times_s, const std::vector<float>& values,
+                          std::string_view interpolation) {
   nlohmann::json& animation = json["animations"][static_cast<std::size_t>(take)];
   const std::size_t sampler = animation["samplers"].size();
   animation["samplers"].push_back({{"input", AddFloats(times_s, 1)},
-                                   {"output", AddFloats(values, path == "rotation" ? 4 : 3)}});
+                                   {"output", AddFloats(values, path == "rotation" ? 4 : 3)},
+                                   {"interpolation", interpolation}});
   animation["channels"].push_back(
       {{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}});
 }

@@ -21,13 +21,19 @@ class GltfFile {
   int AddFloats(const std::vector<float>& values, int width);
   // Adds an animation without channels. Returns its index.
   int AddTake(std::string_view name);
-  // Adds a channel; `path`: "translation", "rotation" or "scale". `values`: 3 or 4 for each time.
+  // Adds an accessor of normalized int16. Returns its index.
+  int AddShorts(const std::vector<float>& values, int width);
+  // Adds a channel; `path`: "translation", "rotation" or "scale". `values`: 3 or 4 for each time,
+  // with CUBICSPLINE three times as many.
   void AddChannel(int take, int node, std::string_view path, const std::vector<float>& times_s,
-                  const std::vector<float>& values);
+                  const std::vector<float>& values, std::string_view interpolation = "LINEAR");
   std::string Text() const { return json.dump(); }
   std::string Binary() const;  // GLB
 
   nlohmann::json json;
+
+ private:
+  int AddAccessor(const std::string& bytes, int component, std::size_t count, int width);
 };
 
 // Hips (1 m above the floor) and a head, 0.5 m higher; y up. The hips turn about x, from 0 by 0.1

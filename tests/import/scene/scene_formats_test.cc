@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "core/motion/forward_kinematics.h"
-#include "import/scene/scene_reader.h"
-#include "tests/core/format/reading.h"
+#include "import/scene/fbx_layers.h"
+#include "tests/import/imported.h"
 #include "tests/import/scene/scene_files.h"
 
 namespace motiondb::tests::scene_formats_test {
@@ -25,23 +25,12 @@ using Eigen::Vector3d;
 constexpr double kRadians = std::numbers::pi / 180;
 
 absl::StatusOr<core::MotionFile> ReadFbx(const FbxFile& file) {
-  return importer::ReadScene(FileFormat::kFbx, {.name = "walk.fbx", .bytes = file.Text()}, {});
+  return ReadSceneBytes(FileFormat::kFbx, file.Text());
 }
 
 absl::StatusOr<core::MotionFile> ReadCollada(const ColladaFile& file,
                                              const core::ReadOptions& options = {}) {
-  return importer::ReadScene(FileFormat::kCollada, {.name = "walk.dae", .bytes = file.Text()},
-                             options);
-}
-
-Vector3d PositionOf(const core::JointMotion& motion, std::string_view joint, Eigen::Index frame) {
-  const int index = motion.skeleton->FindJoint(joint);
-  REQUIRE(index >= 0);
-  return core::JointPositions(motion).block<1, 3>(frame, 3 * index).transpose().cast<double>();
-}
-
-bool Near(const Vector3d& a, const Vector3d& b, double tolerance = 1e-5) {
-  return (a - b).norm() < tolerance;
+  return ReadSceneBytes(FileFormat::kCollada, file.Text(), options);
 }
 
 Eigen::Matrix3d EulerXyz(const std::array<double, 3>& degrees) {
@@ -70,6 +59,27 @@ Eigen::Isometry3d FbxLocal(const FbxModel& model, const std::array<double, 3>& r
 }
 
 }  // namespace
+
+TEST_CASE("Scene: layers of an FBX take are reported", "[import][scene]") {
+  FbxFile file;
+  file.models = {{"Hips", -1, {{"Lcl Translation", {0, 100, 0}}}},
+                 {"Head", 0, {{"Lcl Translation", {0, 50, 0}}}}};
+  file.curves = {{0, "Lcl Rotation", {{{{0, 0}, {0.1, 30}}, {}, {}}}}};
+  const auto notes_of = [](const std::string& text) {
+    return NotesOf(ReadSceneBytes(FileFormat::kFbx, text));
+  };
+  const std::string one = file.Text();
+  CHECK_THAT(notes_of(one), !Contains("layer"));
+  const std::string two =
+      Replaced(one, "AnimationLayer: 2,",
+               "AnimationLayer: 3, \"AnimLayer::Extra\", \"\" {\n}\nAnimationLayer: 2,");
+  CHECK_THAT(notes_of(two), Contains("2 animation layers in 1 take: layers are not blended"));
+  using namespace std::string_literals;
+  const std::string binary = "Kaydara FBX Binary  \0S\x0e\0\0\0AnimationLayer\x0e"s +
+                             "AnimationStack\x0e" + "AnimationLayer";
+  CHECK_FALSE(importer::NoteOnFbxLayers(binary).has_value());
+  CHECK(importer::NoteOnFbxLayers(binary + "\x0e" + "AnimationLayer").has_value());
+}
 
 TEST_CASE("Scene: FBX pre-rotations, post-rotations and pivots", "[import][scene]") {
   const std::array<double, 3> up = {1, 10, 2};

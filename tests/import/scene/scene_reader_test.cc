@@ -12,7 +12,7 @@
 
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
-#include "tests/core/format/reading.h"
+#include "tests/import/imported.h"
 #include "tests/import/scene/scene_files.h"
 #include "tests/import/scene/scene_player.h"
 
@@ -28,18 +28,7 @@ using Eigen::Vector3d;
 absl::StatusOr<core::MotionFile> ReadGltf(const GltfFile& file, std::string_view take = "") {
   core::ReadOptions options;
   options.take = take;
-  return importer::ReadScene(FileFormat::kGltf, {.name = "walk.glb", .bytes = file.Text()},
-                             options);
-}
-
-Vector3d PositionOf(const core::JointMotion& motion, std::string_view joint, Eigen::Index frame) {
-  const int index = motion.skeleton->FindJoint(joint);
-  REQUIRE(index >= 0);
-  return core::JointPositions(motion).block<1, 3>(frame, 3 * index).transpose().cast<double>();
-}
-
-bool Near(const Vector3d& a, const Vector3d& b, double tolerance = 1e-5) {
-  return (a - b).norm() < tolerance;
+  return ReadSceneBytes(FileFormat::kGltf, file.Text(), options);
 }
 
 // A tree of nodes with any translations, rotations and scales, of which some move.

@@ -1,0 +1,144 @@
+#include "import/scene/gltf_check.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "core/format/text_scanner.h"
+#include "core/motion/error.h"
+
+namespace motiondb::importer {
+
+namespace {
+
+using CheckedJson = nlohmann::json;
+
+absl::Status ExpectedAt(const GltfDocument& document, std::string_view path, std::string_view what,
+                        std::string_view found) {
+  return core::InvalidArgument("{}: {}: expected {}, found {}", document.file_name(), path, what,
+                               found);
+}
+
+absl::Status CheckAccessors(const GltfDocument& document) {
+  const CheckedJson& accessors = GltfMember(document.json(), "accessors");
+  if (accessors.is_null()) return absl::OkStatus();
+  if (!accessors.is_array()) {
+    return ExpectedAt(document, "accessors", "an array", accessors.type_name());
+  }
+  for (std::size_t i = 0; i < accessors.size(); ++i) {
+    MOTIONDB_ASSIGN_OR_RETURN(const GltfAccessor accessor, document.Accessor(CheckedJson(i)));
+    const CheckedJson& sparse = GltfMember(*accessor.json, "sparse");
+    if (sparse.is_null()) continue;
+    const auto component = GltfUnsigned(GltfMember(sparse, "indices"), "componentType");
+    if (component == kGltfUnsignedByte || component == kGltfUnsignedShort ||
+        component == kGltfUnsignedInt) {
+      continue;
+    }
+    return ExpectedAt(document, accessor.path + ".sparse.indices.componentType",
+                      "5121, 5123 or 5125", core::Shown(sparse.dump()));
+  }
+  return absl::OkStatus();
+}
+
+// Number of elements for each key of `weights`: the morph targets of the node's mesh.
+std::size_t TargetCount(const GltfDocument& document, const CheckedJson& node_index) {
+  const CheckedJson* const node = document.Find("nodes", node_index);
+  if (node == nullptr) return 0;
+  const CheckedJson* const mesh = document.Find("meshes", GltfMember(*node, "mesh"));
+  if (mesh == nullptr) return 0;
+  const CheckedJson& primitives = GltfMember(*mesh, "primitives");
+  if (!primitives.is_array() || primitives.empty()) return 0;
+  const CheckedJson& targets = GltfMember(primitives[0], "targets");
+  return targets.is_array() ? targets.size() : 0;
+}
+
+// The elements that a path needs.
+struct PathElements {
+  std::size_t width = 0;
+  std::size_t for_each_key = 1;
+  bool may_be_integers = false;
+};
+
+PathElements ElementsOf(const GltfDocument& document, const CheckedJson& target,
+                        std::string_view path) {
+  if (path == "rotation") return {.width = 4, .may_be_integers = true};
+  if (path != "weights") return {.width = 3};
+  return {.width = 1,
+          .for_each_key = TargetCount(document, GltfMember(target, "node")),
+          .may_be_integers = true};
+}
+
+absl::Status CheckChannel(const GltfDocument& document, const CheckedJson& animation,
+                          const CheckedJson& channel, const std::string& where) {
+  const CheckedJson& target = GltfMember(channel, "target");
+  const CheckedJson& path = GltfMember(target, "path");
+  const std::string name = path.is_string() ? path.get<std::string>() : "";
+  if (name != "rotation" && name != "translation" && name != "scale" && name != "weights") {
+    return absl::OkStatus();  // of an extension: not read
+  }
+  const CheckedJson& samplers = GltfMember(animation, "samplers");
+  const auto index = GltfUnsigned(channel, "sampler");
+  if (!samplers.is_array() || !index || *index >= samplers.size()) {
+    return ExpectedAt(document, where + ".sampler", "a sampler of the animation",
+                      core::Shown(GltfMember(channel, "sampler").dump()));
+  }
+  const CheckedJson& sampler = samplers[*index];
+  const CheckedJson& interpolation = GltfMember(sampler, "interpolation");
+  const bool is_cubic = interpolation == "CUBICSPLINE";
+  if (!interpolation.is_null() && interpolation != "LINEAR" && interpolation != "STEP" &&
+      !is_cubic) {
+    return ExpectedAt(document, where + ": interpolation", "LINEAR, STEP or CUBICSPLINE",
+                      core::Shown(interpolation.dump()));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const GltfAccessor times,
+                            document.Accessor(GltfMember(sampler, "input")));
+  if (times.component != kGltfFloat || times.width != 1) {
+    return ExpectedAt(document, times.path, "times as floats (SCALAR, componentType 5126)",
+                      fmt::format("componentType {}", times.component));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const GltfAccessor values,
+                            document.Accessor(GltfMember(sampler, "output")));
+  const PathElements elements = ElementsOf(document, target, name);
+  const bool is_known_component =
+      values.component == kGltfFloat ||
+      (elements.may_be_integers && values.component != kGltfUnsignedInt);
+  if (values.width != elements.width || !is_known_component) {
+    return ExpectedAt(
+        document, values.path,
+        fmt::format("values of the path '{}': {} numbers each, floats{}", name, elements.width,
+                    elements.may_be_integers ? " or normalized integers" : ""),
+        fmt::format("{} of componentType {}", values.width, values.component));
+  }
+  const std::size_t expected = times.count * elements.for_each_key * (is_cubic ? 3 : 1);
+  if (values.count == expected) return absl::OkStatus();
+  return ExpectedAt(document, values.path + ".count",
+                    fmt::format("{} for {} times", expected, times.count),
+                    std::to_string(values.count));
+}
+
+}  // namespace
+
+absl::Status CheckGltf(const GltfDocument& document) {
+  MOTIONDB_RETURN_IF_ERROR(CheckAccessors(document));
+  const CheckedJson& animations = GltfMember(document.json(), "animations");
+  if (animations.is_null()) return absl::OkStatus();
+  if (!animations.is_array()) {
+    return ExpectedAt(document, "animations", "an array", animations.type_name());
+  }
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    const CheckedJson& channels = GltfMember(animations[a], "channels");
+    if (!channels.is_array()) {
+      return ExpectedAt(document, fmt::format("animations[{}].channels", a), "an array",
+                        channels.type_name());
+    }
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      MOTIONDB_RETURN_IF_ERROR(CheckChannel(document, animations[a], channels[c],
+                                            fmt::format("animations[{}].channels[{}]", a, c)));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::importer

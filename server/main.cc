@@ -28,9 +28,9 @@
 
 #include "core/motion/error.h"
 #include "server/engine/memory_reserve.h"
-#include "server/http2/listener.h"
+#include "server/listen/listen_on.h"
+#include "server/listen/listener.h"
 #include "server/observability/health_server.h"
-#include "server/observability/listen_on.h"
 #include "server/observability/log.h"
 #include "server/rpc/call_identity.h"
 #include "server/server.h"
@@ -137,7 +137,8 @@ absl::Status Serve(const Settings& settings) {
   AddDrainSignals(signals);
 
   MOTIONDB_ASSIGN_OR_RETURN(const SecurityConfig plan,
-                            DeriveSecurityConfig(settings.server.security, settings.server.listen));
+                            DeriveSecurityConfig(settings.server.security, settings.server.listen,
+                                                 settings.server.web_listen));
   // At any log level.
   for (const std::string& warning : plan.warnings) PrintAlways(settings.log.format, warning);
   // Before the store, so that a long start can be monitored.
@@ -153,12 +154,19 @@ absl::Status Serve(const Settings& settings) {
   }
   // Before the store is created or upgraded: a server that cannot listen must not do it.
   MOTIONDB_RETURN_IF_ERROR(CheckListening(settings.server.listen));
+  if (const std::string& web = settings.server.web_listen; !web.empty()) {
+    MOTIONDB_RETURN_IF_ERROR(CheckListening(web));
+  }
   MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings));
   // Never shut down: grpc_shutdown waits for all of gRPC's threads, even for one that did not start
   // because memory was exhausted. Then the store would not be closed.
   grpc_init();
   MOTIONDB_ASSIGN_OR_RETURN(const auto server,
                             Server::Start(std::move(store), settings.server, monitor));
+  if (const std::string web = server->web_address(); !web.empty()) {
+    fmt::print("motiondbd: HTTP API at {}\n", web);
+    spdlog::info("HTTP API at {}", web);
+  }
   fmt::print("motiondbd: listening on {}\n", server->address());
   std::fflush(stdout);
   spdlog::info("store {}, listening on {}", settings.store_path, server->address());
@@ -209,7 +217,8 @@ int CheckConfig(const SettingsReader& reader) {
   if (!problems.empty()) return PrintProblems(problems);
   const Settings& settings = reader.settings();
   // The same warnings as at a start.
-  const auto plan = DeriveSecurityConfig(settings.server.security, settings.server.listen);
+  const auto plan = DeriveSecurityConfig(settings.server.security, settings.server.listen,
+                                         settings.server.web_listen);
   if (!plan.ok()) return PrintProblems({plan.status()});
   for (const std::string& warning : plan->warnings) {
     fmt::print(stderr, "motiondbd: {}\n", text::SafeText(warning));

@@ -15,7 +15,10 @@
 #include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
-#include "server/http2/listener.h"
+#include "server/gateway/gateway.h"
+#include "server/http2/call_bridge.h"
+#include "server/http2/connection.h"
+#include "server/listen/listener.h"
 #include "server/rpc/call_identity.h"
 #include "server/rpc/idle_timer.h"
 #include "server/rpc/services.h"
@@ -78,10 +81,10 @@ std::int64_t TransportMemory(const CallLimitOptions& calls) {
 }
 
 constexpr const char* kServiceNames[] = {
-    "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
-    "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
-    "motiondb.v1.AccessService",    "motiondb.v1.StoreService", "motiondb.v1.ServerService",
-    "motiondb.v1.MarkerSetService"};
+    "motiondb.v1.DatabaseService", "motiondb.v1.ClipService",    "motiondb.v1.ModelService",
+    "motiondb.v1.SegmentService",  "motiondb.v1.EditService",    "motiondb.v1.OperationService",
+    "motiondb.v1.QueryService",    "motiondb.v1.ObserveService", "motiondb.v1.AccessService",
+    "motiondb.v1.StoreService",    "motiondb.v1.ServerService",  "motiondb.v1.MarkerSetService"};
 
 }  // namespace
 
@@ -89,8 +92,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
                                                       const ServerOptions& options,
                                                       std::shared_ptr<Monitor> monitor) {
   if (monitor == nullptr) monitor = std::make_shared<Monitor>(MonitorOptions{MethodNames()});
-  MOTIONDB_ASSIGN_OR_RETURN(const SecurityConfig plan,
-                            DeriveSecurityConfig(options.security, options.listen));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const SecurityConfig plan,
+      DeriveSecurityConfig(options.security, options.listen, options.web_listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
   std::unique_ptr<Server> server(
       new Server(std::move(engine), plan.access, options.calls, std::move(monitor)));
@@ -134,6 +138,8 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeMarkerSetService(*host_));
   services_.push_back(MakeClipService(*host_));
+  services_.push_back(MakeSegmentService(*host_));
+  services_.push_back(MakeEditService(*host_));
   services_.push_back(MakeModelService(*host_));
   services_.push_back(MakeOperationService(*host_));
   services_.push_back(MakeQueryService(*host_));
@@ -157,11 +163,19 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
     return absl::InternalError("gRPC did not start; see the log with --log-level debug");
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);  // responses have their own limits
-  auto bridge = std::make_unique<CallBridge>(grpc::GenericStub(grpc_->InProcessChannel(arguments)),
-                                             TransportMemory(options.calls), host_->limits,
-                                             static_cast<std::uint32_t>(options.max_message_bytes));
-  MOTIONDB_ASSIGN_OR_RETURN(listener_, Listener::Start(options.listen, tls_.get(),
-                                                       std::move(bridge), monitor_->connections()));
+  const auto bridge = std::make_shared<CallBridge>(
+      grpc::GenericStub(grpc_->InProcessChannel(arguments)), TransportMemory(options.calls),
+      host_->limits, static_cast<std::uint32_t>(options.max_message_bytes));
+  const auto make_http2 = [bridge](AcceptedClient client) {
+    return std::make_shared<Connection>(*bridge, std::move(client));
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(listener_, Listener::Start(options.listen, {.tls = tls_.get()},
+                                                       make_http2, monitor_->connections()));
+  if (!options.web_listen.empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        gateway_, Gateway::Start(options.web_listen, tls_.get(), host_->access.authentication(),
+                                 bridge, monitor_->connections()));
+  }
   address_ =
       fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), listener_->port());
   for (const char* const name : kServiceNames) {
@@ -185,8 +199,15 @@ void Server::Drain(milliseconds grace) {
   // All calls have ended or `grace` is over. Clients get a moment to close their connections.
   const milliseconds close_time = std::min(grace, kCloseTime);
   if (listener_ != nullptr) listener_->Close(close_time);
+  if (gateway_ != nullptr) gateway_->Close(close_time);
   grpc_->Shutdown(std::chrono::system_clock::now() + close_time);
   listener_.reset();
+  gateway_.reset();
+}
+
+std::string Server::web_address() const {
+  if (gateway_ == nullptr) return "";
+  return fmt::format("{}://{}", tls_ == nullptr ? "http" : "https", gateway_->address());
 }
 
 namespace {
@@ -194,8 +215,9 @@ namespace {
 constexpr std::chrono::milliseconds kCheckPeriod{1000};
 
 // Services that are NOT_SERVING while writes fail; "" is the server as a whole.
-constexpr const char* kWritingServices[] = {"", "motiondb.v1.ClipService",
-                                            "motiondb.v1.DatabaseService"};
+constexpr const char* kWritingServices[] = {
+    "", "motiondb.v1.ClipService", "motiondb.v1.DatabaseService", "motiondb.v1.EditService",
+    "motiondb.v1.SegmentService"};
 
 }  // namespace
 

@@ -25,6 +25,7 @@ namespace motiondb::server {
 
 struct ServiceContext;
 class FileReloader;
+class Gateway;
 class HealthWatch;
 class Listener;
 class IdleTimer;
@@ -34,7 +35,7 @@ class Tls;
 class Server {
  public:
   // Opens the engine and serves. `monitor`: null creates one. Errors: those of the store, of
-  // DeriveSecurityConfig and of ListenOn.
+  // DeriveSecurityConfig, of ListenOn and of Gateway::Start.
   static absl::StatusOr<std::unique_ptr<Server>> Start(std::unique_ptr<storage::MotionStore> store,
                                                        const ServerOptions& options,
                                                        std::shared_ptr<Monitor> monitor = nullptr);
@@ -43,6 +44,8 @@ class Server {
 
   // HOST:PORT for clients.
   const std::string& address() const { return address_; }
+  // URL of the HTTP API, "https://HOST:PORT"; empty: none.
+  std::string web_address() const;
   Engine& engine() { return *engine_; }
   Monitor& monitor() { return *monitor_; }
 
@@ -66,6 +69,7 @@ class Server {
   std::unique_ptr<grpc::Server> grpc_;
   std::unique_ptr<HealthWatch> health_;
   std::unique_ptr<Listener> listener_;
+  std::unique_ptr<Gateway> gateway_;  // null: no HTTP API
   std::string address_;
 };
 

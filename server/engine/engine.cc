@@ -83,6 +83,7 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
     return absl::OkStatus();
   };
   MOTIONDB_RETURN_IF_ERROR(live->Retire(remove, terms.cancelled));
+  live->signal()->Notify();
   skeletons_.Clear();
   spdlog::info("database '{}': deleted", database);
   FreeDeletedDatabases();
@@ -164,8 +165,13 @@ std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatab
   return *std::move(operation);
 }
 
-absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveDatabase& database) {
-  if (auto snapshot = database.lifecycle().snapshot()) return snapshot;
+absl::StatusOr<SnapshotPointer> Engine::CurrentModel(const LiveDatabase& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(ServedModel served, CurrentModelAndRevision(database));
+  return std::move(served.snapshot);
+}
+
+absl::StatusOr<ServedModel> Engine::CurrentModelAndRevision(const LiveDatabase& database) {
+  if (auto served = database.lifecycle().served(); served.snapshot != nullptr) return served;
   if (const std::string operation = database.lifecycle().operation(); !operation.empty()) {
     return core::WithResource(
         "operation", fmt::format("operations/{}", operation),
@@ -206,7 +212,8 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
   const auto stored = [&](const storage::ClipRecord& record) -> absl::Status {
     spdlog::info("database '{}': clip '{}' stored: frames={}; {}", record.database, record.id,
                  record.frame_count, record.source_report);
-    database->lifecycle().RequestExtension();
+    database->signal()->Notify();
+    database->lifecycle().RequestUpdate();
     MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, database->lifecycle().Request(terms.cancelled));
     return absl::OkStatus();
   };
@@ -225,6 +232,7 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   const absl::Status deleted = live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record,
                               store_->DeleteClip(database, clip, terms));
+    live->signal()->Notify();
     live->ForgetUnreadable(clip);
     live->SetDeriveError(clip, "");
     skeletons_.Clear();
@@ -236,6 +244,65 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   });
   MOTIONDB_RETURN_IF_ERROR(deleted);
   return operation;
+}
+
+namespace {
+
+// Returns whether the edit changed a label, its range, or a subject: models depend on these.
+bool ConcernsModel(const storage::EditRecord& edit) {
+  const auto changed = [](const storage::EditedObject& object) {
+    if (!object.before || !object.after) return true;
+    if (const auto* before = std::get_if<storage::ClipRecord>(&*object.before)) {
+      const auto& after = std::get<storage::ClipRecord>(*object.after);
+      return before->label != after.label || before->subject != after.subject;
+    }
+    const auto& before = std::get<storage::SegmentRecord>(*object.before);
+    const auto& after = std::get<storage::SegmentRecord>(*object.after);
+    return before.label != after.label || before.start_seconds != after.start_seconds ||
+           before.end_seconds != after.end_seconds;
+  };
+  return std::ranges::any_of(edit.objects, changed);
+}
+
+}  // namespace
+
+absl::StatusOr<Edited> Engine::Edit(const std::string& database,
+                                    std::span<const storage::Change> changes,
+                                    const std::string& author, const storage::WriteOptions& terms) {
+  const auto edit = [&](storage::AnnotationStore& store) {
+    return store.Edit(database, changes, author, terms);
+  };
+  return StoreEdit(database, edit, terms.cancelled);
+}
+
+absl::StatusOr<Edited> Engine::UndoEdit(const std::string& database, std::int64_t edit,
+                                        const std::string& author,
+                                        const storage::WriteOptions& terms) {
+  const auto undo = [&](storage::AnnotationStore& store) {
+    return store.UndoEdit(database, edit, author, terms);
+  };
+  return StoreEdit(database, undo, terms.cancelled);
+}
+
+absl::StatusOr<Edited> Engine::StoreEdit(const std::string& database, const EditStore& edit,
+                                         const core::Cancelled& cancelled) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
+  Edited edited;
+  const absl::Status stored = live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(edited.edit, edit(store_->annotations()));
+    if (edited.edit.id == 0) {
+      MOTIONDB_ASSIGN_OR_RETURN(edited.revision, store_->annotations().Revision(database));
+      return absl::OkStatus();
+    }
+    edited.revision = edited.edit.id;
+    live->signal()->Notify();
+    live->lifecycle().RequestUpdate();
+    if (!ConcernsModel(edited.edit)) return absl::OkStatus();
+    MOTIONDB_ASSIGN_OR_RETURN(edited.operation, live->lifecycle().Request(cancelled));
+    return absl::OkStatus();
+  });
+  MOTIONDB_RETURN_IF_ERROR(stored);
+  return edited;
 }
 
 absl::StatusOr<storage::OperationRecord> Engine::ReprocessDatabase(

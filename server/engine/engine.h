@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,9 @@
 #include "server/engine/operation_registry.h"
 #include "server/engine/options.h"
 #include "server/engine/skeleton_cache.h"
+#include "server/engine/snapshot.h"
 #include "server/engine/workers.h"
+#include "storage/annotation_store.h"
 #include "storage/cancellable_lock.h"
 #include "storage/motion_store.h"
 #include "storage/mutex.h"
@@ -37,6 +40,14 @@ struct StoreCounts {
 struct Ingested {
   storage::ClipRecord clip;
   storage::OperationRecord operation;
+};
+
+// A stored edit.
+struct Edited {
+  storage::EditRecord edit;   // id 0: without effect
+  std::int64_t revision = 0;  // of the database, with the edit
+  // The operation that fits the model; none if neither labels nor subjects changed.
+  std::optional<storage::OperationRecord> operation;
 };
 
 struct Cancellation {
@@ -86,7 +97,9 @@ class Engine {
 
   // Returns the model that answers queries now. FAILED_PRECONDITION, with a hint what to do, if
   // there is none.
-  absl::StatusOr<std::shared_ptr<const Snapshot>> CurrentModel(const LiveDatabase& database);
+  absl::StatusOr<SnapshotPointer> CurrentModel(const LiveDatabase& database);
+  // The same, with the revision that it contains.
+  absl::StatusOr<ServedModel> CurrentModelAndRevision(const LiveDatabase& database);
 
   // Marks an ingest as in flight for the lifetime of the result. A rebuild waits for it.
   absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> BeginIngest(
@@ -101,6 +114,14 @@ class Engine {
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
                                                       const std::string& clip,
                                                       const storage::WriteOptions& terms = {});
+  // Edits clips and segments; see AnnotationStore::Edit and UndoEdit. Changed labels are in answers
+  // soon, with the metric and calibration of the former labels; the operation refits these.
+  // UNAVAILABLE as above.
+  absl::StatusOr<Edited> Edit(const std::string& database, std::span<const storage::Change> changes,
+                              const std::string& author, const storage::WriteOptions& terms = {});
+  absl::StatusOr<Edited> UndoEdit(const std::string& database, std::int64_t edit,
+                                  const std::string& author,
+                                  const storage::WriteOptions& terms = {});
   // Derives the states of all clips again from their files, then rebuilds the model. NOT_FOUND,
   // UNAVAILABLE (as above). CANCELLED, with nothing changed.
   absl::StatusOr<storage::OperationRecord> ReprocessDatabase(const std::string& database,
@@ -131,6 +152,9 @@ class Engine {
   std::size_t database_count();
   // Frees the storage of deleted databases on the maintenance thread. Yields to its other work.
   void FreeDeletedDatabases();
+  using EditStore = std::function<absl::StatusOr<storage::EditRecord>(storage::AnnotationStore&)>;
+  absl::StatusOr<Edited> StoreEdit(const std::string& database, const EditStore& edit,
+                                   const core::Cancelled& cancelled);
   std::shared_ptr<LiveDatabase> Serve(const std::string& name, const core::BuildSettings& settings);
   // Key: database name.
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;

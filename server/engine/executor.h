@@ -17,6 +17,7 @@ enum class Pool {
   kExtensions,   // extensions of models, also while other models are built
   kChanges,      // changes of the store: they may wait for its writer; queries do not wait for them
   kMaintenance,  // maintenance of the whole store; nothing waits for it
+  kImports,      // waits for processes that read files: no thread of requests waits for them
 };
 
 class Executor {

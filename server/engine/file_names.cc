@@ -1,5 +1,10 @@
 #include "server/engine/file_names.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+
 #include "text/utf8.h"
 
 namespace motiondb::server {
@@ -10,6 +15,30 @@ constexpr std::size_t kMaxIdLength = 120;
 bool IsIdCharacter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
          c == '_' || c == '.';
+}
+
+// The letters of U+00C0 to U+017F (Latin-1 Supplement and Latin Extended-A) without accents.
+constexpr char32_t kFirstAccented = 0xC0;
+constexpr std::string_view kWithoutAccents =
+    "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYTsaaaaaaaceeeeiiiidnooooo_ouuuuyty"
+    "AaAaAaCcCcCcCcDdDdEeEeEeEeEeGgGgGgGgHhHhIiIiIiIiIiIiJjKkkLlLlLlLlLlNnNnNnnNnOoOoOoOo"
+    "RrRrRrSsSsSsSsTtTtTtUuUuUuUuUuUuWwYyYZzZzZzs";
+static_assert(kWithoutAccents.size() == 0x180 - kFirstAccented);
+
+// Returns what stands for a character in an id.
+std::string InId(text::Character character) {
+  constexpr char32_t kEndOfAscii = 0x80;
+  const char32_t code = character.code;
+  if (character.bytes == 0) return "_";
+  if (code < kEndOfAscii) {
+    const auto c = static_cast<char>(code);
+    return {IsIdCharacter(c) ? c : '_'};
+  }
+  if (code >= kFirstAccented && code - kFirstAccented < kWithoutAccents.size()) {
+    return {kWithoutAccents[code - kFirstAccented]};
+  }
+  const bool is_combining = code >= 0x300 && code <= 0x36F;
+  return is_combining ? "" : fmt::format("u{:04x}", static_cast<std::uint32_t>(code));
 }
 
 }  // namespace
@@ -26,13 +55,12 @@ std::string ClipIdFromFileName(std::string_view file_name, std::string_view take
   std::string name(file_name.substr(0, file_name.rfind('.')));
   if (!take.empty()) name.append("-").append(take);
   std::string id;
-  for (const char c : name) {
-    if (id.size() == kMaxIdLength) break;
-    if (IsIdCharacter(c)) {
-      id += c;
-    } else if (!text::IsContinuationByte(c)) {
-      id += '_';  // one for all bytes of a UTF-8 character
-    }
+  for (std::string_view rest = name; !rest.empty();) {
+    const text::Character character = text::FirstCharacter(rest);
+    const std::string part = InId(character);
+    if (id.size() + part.size() > kMaxIdLength) break;
+    id += part;
+    rest.remove_prefix(std::max<std::size_t>(1, character.bytes));
   }
   return id.empty() ? "clip" : id;
 }

@@ -11,8 +11,10 @@ namespace motiondb::server {
 std::string WithoutFolders(std::string_view path);
 
 // Returns the clip id for a file name without folders: its stem, and '-' and the take if there is
-// one, with '_' for each character that ids do not allow. Leaves room for a number suffix. Returns
-// "clip" if nothing is left.
+// one. ASCII characters that ids do not allow, and invalid UTF-8, become '_'. Latin letters lose
+// their accents, combining accents are dropped, and other characters become 'u' and their code
+// point in hexadecimal: two names differ also if they are in another script. Leaves room for a
+// number suffix. Returns "clip" if nothing is left.
 std::string ClipIdFromFileName(std::string_view file_name, std::string_view take = {});
 
 // Returns the 64-bit FNV-1a hash of the motion file's length, its bytes, the skeleton file's bytes

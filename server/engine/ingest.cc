@@ -109,10 +109,11 @@ absl::StatusOr<core::MotionFile> ReadAndHash(IngestRequest& request,
   const auto hash = [&] {
     record.content_hash = ContentHash(clip.file_bytes, clip.skeleton_bytes, record.given.take);
   };
-  if (core::NeedsImport(record.format, file.bytes)) {
+  if (NeedsImport(request)) {
     // On this thread: the others are for queries.
-    read();
-    if (source.ok()) record.given.take = source->take;
+    if (!request.source) MOTIONDB_RETURN_IF_ERROR(ImportBefore(request, terms));
+    source = *std::exchange(request.source, std::nullopt);
+    record.given.take = source->take;
     hash();
     return source;
   }
@@ -122,6 +123,19 @@ absl::StatusOr<core::MotionFile> ReadAndHash(IngestRequest& request,
 }
 
 }  // namespace
+
+bool NeedsImport(const IngestRequest& request) {
+  return core::NeedsImport(request.clip.record.format, request.clip.file_bytes);
+}
+
+absl::Status ImportBefore(IngestRequest& request, const WorkOptions& terms) {
+  const storage::NewClip& clip = request.clip;
+  const storage::ClipRecord& record = clip.record;
+  MOTIONDB_ASSIGN_OR_RETURN(
+      request.source, ReadSource(record.format, {record.file_name, clip.file_bytes},
+                                 SkeletonFile(record, clip.skeleton_bytes), record.given, terms));
+  return absl::OkStatus();
+}
 
 std::string ReportOf(const core::SourceReport& report, const std::vector<std::string>& notes) {
   std::string text = core::Describe(report);

@@ -35,7 +35,15 @@ struct IngestRequest {
   bool force = false;          // accept an implausible body (core/format/plausibility.h)
   bool replace = false;        // see IngestClip
   bool validate_only = false;  // store nothing
+  std::optional<core::MotionFile> source = {};  // see ImportBefore
 };
+
+// Whether the file of the request is read by motiondb-import.
+bool NeedsImport(const IngestRequest& request);
+
+// Reads the file of a request that NeedsImport, so that IngestClip does not wait for
+// motiondb-import on a thread that other calls need. Errors of ReadSource.
+absl::Status ImportBefore(IngestRequest& request, const WorkOptions& terms);
 
 // Reads and stores a clip. The caller sets the file's bytes, the names of the files, the format,
 // what was given about the file and, if it is fixed, the id; the rest is derived. Calls `stored`

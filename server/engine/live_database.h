@@ -15,6 +15,8 @@
 #include "core/model/build_settings.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/marker_set.h"
+#include "server/engine/change_signal.h"
+#include "server/engine/database_catalog.h"
 #include "server/engine/options.h"
 #include "storage/cancellable_lock.h"
 #include "storage/mutex.h"
@@ -102,6 +104,15 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   void SetDeriveError(const std::string& clip, const std::string& reason);
   std::map<std::string, std::string> underived() const;
 
+  // Notified after each change of the stored data or of the model that answers queries.
+  const std::shared_ptr<ChangeSignal>& signal() const { return signal_; }
+
+  // The clips and segments as stored now.
+  absl::StatusOr<DatabaseCatalog::Pointer> Catalog(storage::AnnotationStore& store) {
+    return catalog_.Current(store, name_);
+  }
+  FilterMasks& masks() { return masks_; }
+
   // REQUIRES: Serve was called.
   ModelLifecycle& lifecycle() const { return *lifecycle_; }
   // Called once, before the database is visible to callers.
@@ -127,6 +138,9 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   const std::string name_;
   const core::BuildSettings settings_;
+  const std::shared_ptr<ChangeSignal> signal_ = std::make_shared<ChangeSignal>();
+  DatabaseCatalog catalog_;
+  FilterMasks masks_;
   std::unique_ptr<ModelLifecycle> lifecycle_;
 
   mutable storage::Mutex mutex_;

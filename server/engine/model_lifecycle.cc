@@ -29,7 +29,7 @@ ModelLifecycle::ModelLifecycle(LiveDatabase& database, const LifecycleServices& 
       services_(services),
       due_(services.executor.MakeTimer(Pool::kBuilds)),
       retry_(services.executor.MakeTimer(Pool::kBuilds)),
-      extension_due_(services.executor.MakeTimer(Pool::kExtensions)) {}
+      update_due_(services.executor.MakeTimer(Pool::kExtensions)) {}
 
 ModelLifecycle::State ModelLifecycle::state() const {
   if (is_closed_) return State::kClosed;
@@ -203,31 +203,31 @@ void ModelLifecycle::BuildIfDue() {
   changed_.NotifyAll();
 }
 
-void ModelLifecycle::RequestExtension() {
+void ModelLifecycle::RequestUpdate() {
   const MutexLock lock(mutex_);
-  if (is_closed_ || extension_pending_) return;
-  extension_pending_ = true;
-  if (!is_extending_) ArmExtension(Executor::Clock::duration::zero());
+  if (is_closed_ || update_pending_) return;
+  update_pending_ = true;
+  if (!is_updating_) ArmUpdate(Executor::Clock::duration::zero());
 }
 
-void ModelLifecycle::ArmExtension(Executor::Clock::duration rest) {
-  extension_due_->Set(services_.executor.Now() + rest, KeepAlive(&ModelLifecycle::ExtendIfOpen));
+void ModelLifecycle::ArmUpdate(Executor::Clock::duration rest) {
+  update_due_->Set(services_.executor.Now() + rest, KeepAlive(&ModelLifecycle::UpdateIfOpen));
 }
 
-void ModelLifecycle::ExtendIfOpen() {
+void ModelLifecycle::UpdateIfOpen() {
   {
     const MutexLock lock(mutex_);
     if (is_closed_) return;
-    extension_pending_ = false;
-    is_extending_ = true;
+    update_pending_ = false;
+    is_updating_ = true;
   }
   const auto began = services_.executor.Now();
-  ExtendCurrent();
+  UpdateCurrent();
   const MutexLock lock(mutex_);
-  is_extending_ = false;
-  if (extension_pending_ && !is_closed_) {
+  is_updating_ = false;
+  if (update_pending_ && !is_closed_) {
     const Executor::Clock::duration rest = kPauseFactor * (services_.executor.Now() - began);
-    ArmExtension(std::clamp<Executor::Clock::duration>(rest, kMinPause, kMaxPause));
+    ArmUpdate(std::clamp<Executor::Clock::duration>(rest, kMinPause, kMaxPause));
   }
   changed_.NotifyAll();
 }
@@ -236,11 +236,11 @@ void ModelLifecycle::Close() {
   is_closed_ = true;
   due_.reset();
   retry_.reset();
-  extension_due_.reset();
+  update_due_.reset();
 }
 
 void ModelLifecycle::Forget() {
-  Serve(nullptr);
+  Serve({});
   const MutexLock lock(mutex_);
   Close();
   for (const std::string& operation : std::exchange(waiting_, {})) {
@@ -261,13 +261,14 @@ void ModelLifecycle::AwaitStop() {
   const MutexLock lock(mutex_);
   changed_.Wait(mutex_, [this] {
     mutex_.AssertHeld();
-    return running_ == nullptr && !is_extending_;
+    return running_ == nullptr && !is_updating_;
   });
 }
 
 absl::StatusOr<bool> ModelLifecycle::IsUpToDate() {
   const auto current = snapshot();
   if (current == nullptr) return database_.stored().clip_count == 0;
+  if (!current->has_fitted_labels) return false;
   return HasAllClips(*current);
 }
 

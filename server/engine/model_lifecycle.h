@@ -28,6 +28,8 @@
 //   --------------------------|----------------------------------------------|--------------------
 //   the stored model          | the server starts                            | yes
 //   an extension by clips     | soon after each clip, if builds take long    | if its base is
+//   the model, relabelled     | soon after labels were edited                | no
+//   the model, refitted       | then, by an operation                        | yes
 //   a new model, borrowing    | it is built                                  | no
 //   the new model, calibrated | it is calibrated                             | yes
 //   none                      | a build finds no clip                        | yes
@@ -53,12 +55,9 @@
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
 #include "server/engine/executor.h"
+#include "server/engine/snapshot.h"
 #include "storage/mutex.h"
 #include "storage/records.h"
-
-namespace motiondb::core {
-class Model;
-}  // namespace motiondb::core
 
 namespace motiondb::storage {
 class MotionStore;
@@ -66,11 +65,11 @@ class MotionStore;
 
 namespace motiondb::server {
 
+class Catalog;
 class CorruptionLog;
 class LiveDatabase;
 class OperationRegistry;
 struct EngineOptions;
-struct Snapshot;
 
 // Services of the engine; all outlive the lifecycle.
 struct LifecycleServices {
@@ -99,6 +98,8 @@ class ModelLifecycle {
 
   // The model that answers queries; null if there is none.
   std::shared_ptr<const Snapshot> snapshot() const;
+  // The same, with the revision that it contains.
+  ServedModel served() const;
   // Returns whether the snapshot is stored, has all readable clips and has not drifted too far.
   absl::StatusOr<bool> IsUpToDate();
   // Id of the running or else the next waiting build operation; empty: none.
@@ -107,7 +108,7 @@ class ModelLifecycle {
 
   // Returns the operation that will build the model from at least the clips stored by now.
   // CANCELLED if the caller gave up before the operation was persisted; it is then re-queued in the
-  // background. REQUIRES, also for Ingest, RequestExtension and Cancel: called within
+  // background. REQUIRES, also for Ingest, RequestUpdate and Cancel: called within
   // LiveDatabase::WithSharedUse.
   absl::StatusOr<storage::OperationRecord> Request(const core::Cancelled& cancelled = {});
   // Returns the operation that will derive all clips stored by now again (Reprocess) and rebuild
@@ -115,8 +116,8 @@ class ModelLifecycle {
   absl::StatusOr<storage::OperationRecord> RequestReprocess(const core::Cancelled& cancelled = {});
   // Resumes an operation of a previous server, which OperationRegistry::Adopt made PENDING.
   void Resume(const std::string& operation);
-  // Schedules an extension of the model by the clips stored by now.
-  void RequestExtension();
+  // Schedules an update of the model by the clips and labels stored by now.
+  void RequestUpdate();
 
   // Counts an ingest as in flight for as long as it lives.
   class Ingest {
@@ -163,8 +164,7 @@ class ModelLifecycle {
     std::string difference;
   };
   // Computes the next model from the current one; null: no model.
-  using Replacement = std::function<absl::StatusOr<std::shared_ptr<const Snapshot>>(
-      std::shared_ptr<const Snapshot>)>;
+  using Replacement = std::function<absl::StatusOr<ServedModel>(ServedModel)>;
 
   // Scheduling: the state machine (model_lifecycle.cc).
   State state() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -176,20 +176,20 @@ class ModelLifecycle {
   void Close() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Called after each transition: sets the timer of the waiting operation.
   void ArmBuild() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void ArmExtension(Executor::Clock::duration rest) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ArmUpdate(Executor::Clock::duration rest) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<storage::OperationRecord> RequestStored(storage::OperationKind kind,
                                                          const core::Cancelled& cancelled);
   // Request without a caller.
   void RequestInBackground();
   // Run by timers. kWaiting -> kBuilding -> the next state.
   void BuildIfDue();
-  void ExtendIfOpen();
+  void UpdateIfOpen();
   // Wraps `work` so that it keeps the database alive while it runs.
   Executor::Work KeepAlive(void (ModelLifecycle::*work)());
 
   // Replacements of the model (model_lifecycle_work.cc).
   absl::Status Replace(const Replacement& next);
-  void Serve(std::shared_ptr<const Snapshot> snapshot);
+  void Serve(ServedModel next);
   // Returns OK or the error of the build. The operation has ended when it returns.
   absl::Status RunBuild(Build& build);
   void EndOperation(const Build& build, const absl::StatusOr<Built>& built);
@@ -200,13 +200,25 @@ class ModelLifecycle {
   // Uses the clips whose states are of the current representation version.
   absl::StatusOr<Built> BuildUntilStored(const Build& build);
   // ABORTED if a clip of the model was deleted meanwhile.
+  // `revision`: that the clips have at least.
   absl::StatusOr<Built> BuildAndStore(const Build& build,
-                                      const std::vector<storage::ClipRecord>& clips);
+                                      const std::vector<storage::ClipRecord>& clips,
+                                      std::int64_t revision);
+  // Fits the metric and the calibration of the current model to its labels.
+  absl::StatusOr<Built> RefitAndStore(const Build& build);
   // Serves the model with the calibration of its predecessor.
-  absl::Status ServeBorrowing(core::Model model);
+  absl::Status ServeBorrowing(core::Model model, std::int64_t revision);
   // Returns the version.
-  absl::StatusOr<int> StoreAndServe(core::Model model);
-  void ExtendCurrent();
+  absl::StatusOr<int> StoreAndServe(core::Model model, std::int64_t revision);
+
+  // Updates of the model (model_lifecycle_update.cc).
+  void UpdateCurrent();
+  // Returns the model with the clips and labels that are stored now. REQUIRES: within Replace.
+  absl::StatusOr<ServedModel> Updated(ServedModel served, const core::ParallelFor& parallel);
+  // Returns the model, which is not null, with the stored labels of its clips.
+  absl::StatusOr<ServedModel> Relabelled(ServedModel served);
+  // Returns whether the model has the clips of the catalog, which was read before.
+  absl::StatusOr<bool> HasChangesOf(const Snapshot& snapshot, const Catalog& catalog);
   // Returns `snapshot` extended by its missing clips. Returns it unchanged if none are missing, if
   // it is null or not extensible, or if a clip was deleted meanwhile. Stores the result if
   // `snapshot` is stored. REQUIRES: within Replace.
@@ -226,7 +238,7 @@ class ModelLifecycle {
 
   mutable storage::Mutex mutex_;  // not held during store access: each ingest locks it
   storage::ConditionVariable changed_;
-  std::shared_ptr<const Snapshot> snapshot_ ABSL_GUARDED_BY(mutex_);
+  ServedModel served_ ABSL_GUARDED_BY(mutex_);
   RebuildTally rebuilds_ ABSL_GUARDED_BY(mutex_);
   std::deque<std::string> waiting_ ABSL_GUARDED_BY(mutex_);  // more than one only after a restart
   std::shared_ptr<Build> running_ ABSL_GUARDED_BY(mutex_);
@@ -234,14 +246,14 @@ class ModelLifecycle {
   bool is_closed_ ABSL_GUARDED_BY(mutex_) = false;
   Executor::Clock::time_point first_request_ ABSL_GUARDED_BY(mutex_);
   Executor::Clock::time_point last_request_ ABSL_GUARDED_BY(mutex_);
-  int ingests_ ABSL_GUARDED_BY(mutex_) = 0;                 // in flight
-  int purges_ ABSL_GUARDED_BY(mutex_) = 0;                  // running
-  bool extension_pending_ ABSL_GUARDED_BY(mutex_) = false;  // for its timer or the running one
-  bool is_extending_ ABSL_GUARDED_BY(mutex_) = false;
+  int ingests_ ABSL_GUARDED_BY(mutex_) = 0;              // in flight
+  int purges_ ABSL_GUARDED_BY(mutex_) = 0;               // running
+  bool update_pending_ ABSL_GUARDED_BY(mutex_) = false;  // for its timer or the running one
+  bool is_updating_ ABSL_GUARDED_BY(mutex_) = false;
   // Null once closed: the executor may be destroyed before the database.
   std::unique_ptr<Executor::Timer> due_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<Executor::Timer> retry_ ABSL_GUARDED_BY(mutex_);
-  std::unique_ptr<Executor::Timer> extension_due_ ABSL_GUARDED_BY(mutex_);
+  std::unique_ptr<Executor::Timer> update_due_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::server

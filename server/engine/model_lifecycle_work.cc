@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/calibration/calibrate.h"
+#include "core/calibration/refit_labels.h"
 #include "core/motion/error.h"
 #include "core/tree/split_node.h"
 #include "server/engine/compute_model.h"
@@ -19,6 +20,7 @@
 #include "server/engine/reprocess.h"
 #include "server/engine/shared_loop.h"
 #include "server/engine/stored_clips.h"
+#include "server/engine/without_exceptions.h"
 
 namespace motiondb::server {
 namespace {
@@ -33,13 +35,6 @@ constexpr double kDeriveShare = 0.5;
 
 // Maximum attempts of a build whose clips are deleted meanwhile.
 constexpr int kAttempts = 8;
-
-// Models of older versions have no calibration for unknown motion. Models without a metric cannot
-// have one.
-bool LacksCalibration(const core::Model& model) {
-  return !model.metric().empty() &&
-         model.recognition().unknown == core::UnknownCalibration::kNotFitted;
-}
 
 // A tree of one node cannot tell motions apart, but no call fails because of it.
 void WarnOfSingleNode(const std::string& database, const Snapshot& snapshot) {
@@ -57,23 +52,6 @@ bool TakesClips(const EngineOptions& options, double build_seconds) {
   return build_seconds >= options.extend_from.count();
 }
 
-// Runs work of a build or an extension; converts exceptions to a status.
-template <typename Result, typename Work>
-Result WithoutExceptions(const Work& work) {
-  Result result;
-  try {
-    const AllocationsMayFail scope;
-    result = work();
-  } catch (const WorkStopped&) {
-    result = absl::CancelledError("stopped");
-  } catch (const std::bad_alloc&) {
-    result = absl::ResourceExhaustedError("not enough memory to build the model");
-  } catch (const std::exception& error) {
-    result = absl::InternalError(error.what());
-  }
-  return result;
-}
-
 }  // namespace
 
 void ModelLifecycle::LoadStored(CorruptionLog& corruptions) {
@@ -84,8 +62,11 @@ void ModelLifecycle::LoadStored(CorruptionLog& corruptions) {
   const absl::Status status = model.ok() ? newest.status() : model.status();
   if (status.ok() && !newest->empty()) {
     const bool is_extensible = TakesClips(services_.options, newest->front().build_seconds);
-    return Serve(std::make_shared<const Snapshot>(
-        Snapshot{newest->front(), *std::move(model), Calibration::kOwn, is_extensible}));
+    auto snapshot = std::make_shared<const Snapshot>(
+        Snapshot{newest->front(), *std::move(model), Calibration::kOwn, is_extensible});
+    // Without current labels if they cannot be read.
+    auto relabelled = Relabelled({snapshot, 0});
+    return Serve(relabelled.ok() ? *std::move(relabelled) : ServedModel{std::move(snapshot), 0});
   }
   spdlog::error("database '{}': cannot read the stored model: {}", name, status.ToString());
   if (!absl::IsDataLoss(status)) return;
@@ -94,9 +75,11 @@ void ModelLifecycle::LoadStored(CorruptionLog& corruptions) {
       {fmt::format("databases/{}/models/{}", name, version), std::string(status.message())});
 }
 
-std::shared_ptr<const Snapshot> ModelLifecycle::snapshot() const {
+std::shared_ptr<const Snapshot> ModelLifecycle::snapshot() const { return served().snapshot; }
+
+ServedModel ModelLifecycle::served() const {
   const MutexLock lock(mutex_);
-  return snapshot_;
+  return served_;
 }
 
 RebuildTally ModelLifecycle::rebuilds() const {
@@ -104,16 +87,19 @@ RebuildTally ModelLifecycle::rebuilds() const {
   return rebuilds_;
 }
 
-void ModelLifecycle::Serve(SnapshotPointer snapshot) {
-  const MutexLock lock(mutex_);
-  snapshot_.swap(snapshot);
-  // The old model, if no query uses it, is freed with the parameter, after the lock.
+void ModelLifecycle::Serve(ServedModel next) {
+  {
+    const MutexLock lock(mutex_);
+    std::swap(served_, next);
+    // The old model, if no query uses it, is freed with the parameter, after the lock.
+  }
+  database_.signal()->Notify();
 }
 
 absl::Status ModelLifecycle::Replace(const Replacement& next) {
   const MutexLock lock(replace_mutex_);
   return database_.WithSharedUse(DeletionPolicy::kAwait, [&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer replacement, next(snapshot()));
+    MOTIONDB_ASSIGN_OR_RETURN(ServedModel replacement, next(served()));
     Serve(std::move(replacement));
     return absl::OkStatus();
   });
@@ -205,8 +191,12 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
 absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Build& build) {
   absl::StatusOr<Built> built = absl::AbortedError("");
   for (int attempt = 0; attempt < kAttempts && absl::IsAborted(built.status()); ++attempt) {
+    // First: the model then has at least the changes up to this revision.
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision,
+                              services_.store.annotations().Revision(database_.name()));
     MOTIONDB_ASSIGN_OR_RETURN(auto clips, AllClips(services_.store, database_.name()));
     bool is_up_to_date = clips.empty();
+    bool needs_refit = false;
     std::erase_if(clips, [](const storage::ClipRecord& clip) {
       return clip.representation_version != core::kRepresentationVersion;
     });
@@ -214,24 +204,32 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Bui
       return core::DataLoss("database '{}': no clip could be derived again: {}", database_.name(),
                             database_.underived().begin()->second);
     }
-    const Replacement without_build =
-        [&](SnapshotPointer current) -> absl::StatusOr<SnapshotPointer> {
+    const Replacement without_build = [&](ServedModel current) -> absl::StatusOr<ServedModel> {
       if (clips.empty()) {
         MOTIONDB_RETURN_IF_ERROR(DropStored());
-        current = nullptr;
+        current = {nullptr, revision};
       } else {
         MOTIONDB_ASSIGN_OR_RETURN(current,
-                                  Extended(current, services_.executor.Parallel(Pool::kBuilds)));
-        if (current != nullptr) {
-          MOTIONDB_ASSIGN_OR_RETURN(is_up_to_date, HasAllClips(*current));
+                                  Updated(current, services_.executor.Parallel(Pool::kBuilds)));
+        if (const SnapshotPointer& model = current.snapshot; model != nullptr) {
+          MOTIONDB_ASSIGN_OR_RETURN(const bool has_all, HasAllClips(*model));
+          is_up_to_date = has_all && model->has_fitted_labels;
+          // An extended model is built, so that it also has the best tree.
+          needs_refit = has_all && !is_up_to_date && model->record.added_clip_count == 0;
         }
       }
-      if (is_up_to_date) built = Built{current == nullptr ? 0 : current->record.version, ""};
+      if (is_up_to_date) {
+        built = Built{current.snapshot == nullptr ? 0 : current.snapshot->record.version, ""};
+      }
       return current;
     };
     MOTIONDB_RETURN_IF_ERROR(Replace(without_build));
     if (build.stopped()) return absl::CancelledError("stopped");
-    if (!is_up_to_date) built = BuildAndStore(build, clips);
+    if (needs_refit) {
+      built = RefitAndStore(build);
+    } else if (!is_up_to_date) {
+      built = BuildAndStore(build, clips, revision);
+    }
   }
   return built;
 }
@@ -241,8 +239,22 @@ absl::Status ModelLifecycle::DropStored() {
   return absl::IsNotFound(dropped) ? absl::OkStatus() : dropped;
 }
 
+absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::RefitAndStore(const Build& build) {
+  const core::ParallelFor parallel =
+      Stoppable(services_.executor.Parallel(Pool::kBuilds), [&build] { return build.stopped(); });
+  const auto progress = [this, &build](double fraction, std::string_view stage) {
+    services_.operations.Advance(build.operation, fraction, stage);
+    return !build.stopped();
+  };
+  const ServedModel before = served();
+  MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
+                            core::RefitLabels(before.snapshot->model, parallel, progress));
+  MOTIONDB_ASSIGN_OR_RETURN(const int version, StoreAndServe(std::move(model), before.revision));
+  return Built{version, "labels refitted"};
+}
+
 absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
-    const Build& build, const std::vector<storage::ClipRecord>& clips) {
+    const Build& build, const std::vector<storage::ClipRecord>& clips, std::int64_t revision) {
   // Computing can stop at any moment; storing and serving cannot.
   const core::ParallelFor parallel =
       Stoppable(services_.executor.Parallel(Pool::kBuilds), [&build] { return build.stopped(); });
@@ -265,7 +277,7 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
                                                             parallel, progress(0, kBuildShare)));
   set_seconds(model);
   SnapshotPointer before = snapshot();
-  MOTIONDB_RETURN_IF_ERROR(ServeBorrowing(model));
+  MOTIONDB_RETURN_IF_ERROR(ServeBorrowing(model, revision));
   Built built{.difference = DifferenceText(before.get(), model, parallel)};
   before.reset();  // frees its memory for the calibration
 
@@ -273,12 +285,13 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
       core::Calibrate(model, parallel, progress(kBuildShare, kCalibrateShare)));
   set_seconds(model);
   if (!advance(kBuildShare + kCalibrateShare, "storing")) return absl::CancelledError("stopped");
-  MOTIONDB_ASSIGN_OR_RETURN(built.version, StoreAndServe(std::move(model)));
+  MOTIONDB_ASSIGN_OR_RETURN(built.version, StoreAndServe(std::move(model), revision));
   return built;
 }
 
-absl::Status ModelLifecycle::ServeBorrowing(core::Model model) {
-  return Replace([&](const SnapshotPointer& before) -> absl::StatusOr<SnapshotPointer> {
+absl::Status ModelLifecycle::ServeBorrowing(core::Model model, std::int64_t revision) {
+  return Replace([&](const ServedModel& current) -> absl::StatusOr<ServedModel> {
+    const SnapshotPointer& before = current.snapshot;
     const bool can_borrow = before != nullptr && before->calibration != Calibration::kTypical;
     if (can_borrow) {
       model.set_recognition(before->model.recognition());
@@ -291,17 +304,16 @@ absl::Status ModelLifecycle::ServeBorrowing(core::Model model) {
     auto record = ModelRecordOf(database_.name(), stored_version, model, 0);
     spdlog::info("database '{}': serving a new model, calibration follows: clips={}",
                  database_.name(), record.clip_count);
-    return Extended(
-        std::make_shared<const Snapshot>(
-            Snapshot{std::move(record), std::move(model),
-                     can_borrow ? Calibration::kPrevious : Calibration::kTypical, is_extensible}),
-        services_.executor.Parallel(Pool::kBuilds));
+    const auto snapshot = std::make_shared<const Snapshot>(
+        Snapshot{std::move(record), std::move(model),
+                 can_borrow ? Calibration::kPrevious : Calibration::kTypical, is_extensible});
+    return Updated({snapshot, revision}, services_.executor.Parallel(Pool::kBuilds));
   });
 }
 
-absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model) {
+absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model, std::int64_t revision) {
   int version = 0;
-  MOTIONDB_RETURN_IF_ERROR(Replace([&](const SnapshotPointer&) -> absl::StatusOr<SnapshotPointer> {
+  MOTIONDB_RETURN_IF_ERROR(Replace([&](const ServedModel&) -> absl::StatusOr<ServedModel> {
     auto record = services_.store.PutModel(database_.name(), model);
     if (!record.ok()) {
       return absl::IsNotFound(record.status())
@@ -313,77 +325,16 @@ absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model) {
     const bool is_extensible = TakesClips(services_.options, record->build_seconds);
     const auto stored = std::make_shared<const Snapshot>(
         Snapshot{*std::move(record), std::move(model), Calibration::kOwn, is_extensible});
-    auto extended = Extended(stored, services_.executor.Parallel(Pool::kBuilds));
-    // The built model is stored: clips that came meanwhile can wait for the next extension.
-    if (!extended.ok()) {
-      spdlog::warn(
-          "database '{}': model {} could not be extended by clips ingested during its build: {}",
-          database_.name(), version, extended.status().ToString());
-      extended = stored;
+    auto updated = Updated({stored, revision}, services_.executor.Parallel(Pool::kBuilds));
+    // The built model is stored: what changed meanwhile can wait for the next update.
+    if (!updated.ok()) {
+      spdlog::warn("database '{}': model {} could not be updated by changes during its build: {}",
+                   database_.name(), version, updated.status().ToString());
+      updated = ServedModel{stored, revision};
     }
-    return extended;
+    return updated;
   }));
   return version;
-}
-
-void ModelLifecycle::ExtendCurrent() {
-  const absl::Status status = WithoutExceptions<absl::Status>([&] {
-    return Replace(
-        [&](SnapshotPointer current) { return Extended(std::move(current), core::RunSerially); });
-  });
-  if (!status.ok() && !absl::IsNotFound(status)) {
-    spdlog::error("database '{}': extension failed, new clips wait for the next build: {}",
-                  database_.name(), status.ToString());
-  }
-}
-
-absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapshot,
-                                                         const core::ParallelFor& parallel) {
-  const std::string& name = database_.name();
-  const bool is_extensible =
-      snapshot != nullptr && snapshot->is_extensible && snapshot->model.tree().has_planes();
-  if (!is_extensible) return snapshot;
-  MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(name));
-  // A model with outdated states of clips is not extended: it will be replaced.
-  if (snapshot->is_stored() && staleness.outdated > 0) return snapshot;
-  std::set<std::string> known;
-  for (const auto& [clip, problem] : database_.unreadable()) known.insert(clip);
-  if (!snapshot->is_stored()) {
-    for (const core::ModelClip& clip : snapshot->model.clips()) known.insert(clip.id);
-  }
-  std::erase_if(staleness.missing, [&](const std::string& clip) { return known.contains(clip); });
-  MOTIONDB_ASSIGN_OR_RETURN(
-      auto extended,
-      ModelWithClips(services_.store, database_, snapshot->model, staleness.missing, parallel));
-  if (!extended) return snapshot;
-  const double drift = extended->drift.stale;
-  auto record = snapshot->is_stored()
-                    ? services_.store.PutExtension(name, extended->model, drift)
-                    : ModelRecordOf(name, snapshot->record.version, extended->model, drift);
-  if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
-  if (!record.ok()) return record.status();
-  spdlog::info(
-      "database '{}': model {} extended: added_clips={} added_frames={:.2f} % "
-      "frames_in_nodes_to_split={:.2f} %",
-      name, record->version, record->added_clip_count, 100 * extended->drift.added, 100 * drift);
-  return std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(extended->model),
-                                                   snapshot->calibration, snapshot->is_extensible});
-}
-
-absl::StatusOr<bool> ModelLifecycle::HasAllClips(const Snapshot& snapshot) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
-                            services_.store.FindModelStaleness(database_.name()));
-  bool has_all = snapshot.is_stored() && !HasDrifted(snapshot.record) && staleness.removed == 0 &&
-                 staleness.outdated == 0 && staleness.to_derive == 0 &&
-                 !LacksCalibration(snapshot.model);
-  // Clips may be missing because they are corrupt. If one of them is readable, the model is out of
-  // date, and the build reads the rest.
-  for (auto clip = staleness.missing.begin(); has_all && clip != staleness.missing.end(); ++clip) {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto read,
-                              ReadInputs(services_.store, database_, {*clip}, core::RunSerially));
-    has_all = read.empty();
-  }
-  return has_all;
 }
 
 void ModelLifecycle::PurgeDeletedClips(const core::Cancelled& cancelled) {

@@ -8,9 +8,20 @@
 #include "core/motion/error.h"
 
 namespace motiondb::server {
+namespace {
+
+core::ObserverOptions WithMask(const ObserveSetup& setup, const Query& query) {
+  core::ObserverOptions options = setup.options;
+  options.mask = query.mask();
+  return options;
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<ObserveSession>> ObserveSession::Open(Query query,
                                                                      ObserveSetup setup) {
+  MOTIONDB_ASSIGN_OR_RETURN(Filter filter,
+                            Filter::Parse(setup.scope.filter, FilterSubject::kClips));
   MOTIONDB_ASSIGN_OR_RETURN(auto scheme, query.database()->scheme());
   if (setup.marker_names.empty()) setup.marker_names = scheme->set.markers;
   MOTIONDB_RETURN_IF_ERROR(CheckUnique("marker_names", setup.marker_names));
@@ -32,17 +43,19 @@ absl::StatusOr<std::unique_ptr<ObserveSession>> ObserveSession::Open(Query query
       auto observer,
       core::Observer::Create(query.model(), fitted.ok() ? *fitted : *scheme,
                              needs_positions ? scheme->set.markers : setup.marker_names,
-                             setup.frame_rate_hz, setup.leg_length_m, setup.options));
+                             setup.frame_rate_hz, setup.leg_length_m, WithMask(setup, query)));
   if (needs_positions) observer.reset();
-  return std::unique_ptr<ObserveSession>(new ObserveSession(
-      std::move(query), std::move(setup), std::move(scheme), std::move(observer)));
+  return std::unique_ptr<ObserveSession>(new ObserveSession(std::move(query), std::move(setup),
+                                                            std::move(filter), std::move(scheme),
+                                                            std::move(observer)));
 }
 
-ObserveSession::ObserveSession(Query query, ObserveSetup setup,
+ObserveSession::ObserveSession(Query query, ObserveSetup setup, Filter filter,
                                std::shared_ptr<const core::MarkerScheme> scheme,
                                std::unique_ptr<core::Observer> observer)
     : query_(std::move(query)),
       setup_(std::move(setup)),
+      filter_(std::move(filter)),
       scheme_(std::move(scheme)),
       observer_(std::move(observer)),
       memory_(BytesToObserve(query_.model(), setup_.options)) {
@@ -57,24 +70,26 @@ absl::Status ObserveSession::MapMarkers(const core::FrameMatrix& positions_m) {
       core::FitFor::kQuery);
   if (!fitted.ok()) return core::AtField("start.marker_names", fitted.status());
   MOTIONDB_ASSIGN_OR_RETURN(
-      observer_, core::Observer::Create(query_.model(), *fitted, setup_.marker_names,
-                                        setup_.frame_rate_hz, setup_.leg_length_m, setup_.options));
+      observer_,
+      core::Observer::Create(query_.model(), *fitted, setup_.marker_names, setup_.frame_rate_hz,
+                             setup_.leg_length_m, WithMask(setup_, query_)));
   return absl::OkStatus();
 }
 
 absl::StatusOr<bool> ObserveSession::SwitchModel() {
   const std::string& name = query_.database()->name();
-  MOTIONDB_ASSIGN_OR_RETURN(Query current, Query::Begin(query_.engine(), name, query_.terms()));
-  if (current.database() != query_.database()) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto database, query_.engine().FindDatabase(name));
+  if (database != query_.database()) {
     return core::WithReason(
         "DATABASE_NOT_FOUND",
         core::NotFound("database '{}' was deleted and created again: open a new stream", name));
   }
-  if (current.snapshot() == query_.snapshot()) return false;
-  if (observer_) MOTIONDB_RETURN_IF_ERROR(observer_->Replace(current.model()));
-  query_ = std::move(current);
+  const SnapshotPointer before = query_.snapshot();  // the observer may use it until Replace
+  MOTIONDB_ASSIGN_OR_RETURN(const bool is_changed, query_.UseCurrentModel(filter_));
+  if (!is_changed) return false;
+  if (observer_) MOTIONDB_RETURN_IF_ERROR(observer_->Replace(query_.model(), query_.mask()));
   memory_ = BytesToObserve(query_.model(), setup_.options);
-  return true;
+  return query_.snapshot() != before;
 }
 
 absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
@@ -88,6 +103,7 @@ absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
   ObserveStep step;
   MOTIONDB_ASSIGN_OR_RETURN(step.model_replaced, SwitchModel());
   step.model_version = query_.snapshot()->record.version;
+  step.revision = query_.revision();
   step.calibration = query_.snapshot()->calibration;
   step.unknown_calibration = query_.model().recognition().unknown;
   if (observer_ == nullptr) MOTIONDB_RETURN_IF_ERROR(MapMarkers(positions));

@@ -23,12 +23,14 @@ struct ObserveSetup {
   double frame_rate_hz = 0;
   std::optional<double> leg_length_m;
   core::ObserverOptions options;
+  QueryScope scope;
 };
 
 // Result of one message of frames.
 struct ObserveStep {
   std::optional<core::Observed> observed;  // nullopt until both hips were seen
   int model_version = 0;
+  std::int64_t revision = 0;  // of the database, that the model contains
   Calibration calibration = Calibration::kOwn;
   core::UnknownCalibration unknown_calibration = core::UnknownCalibration::kNotFitted;
   bool model_replaced = false;
@@ -54,15 +56,18 @@ class ObserveSession {
   absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const PackedFrames& positions_m);
 
  private:
-  ObserveSession(Query query, ObserveSetup setup, std::shared_ptr<const core::MarkerScheme> scheme,
+  ObserveSession(Query query, ObserveSetup setup, Filter filter,
+                 std::shared_ptr<const core::MarkerScheme> scheme,
                  std::unique_ptr<core::Observer> observer);
   // Creates the observer if a frame has all markers.
   absl::Status MapMarkers(const core::FrameMatrix& positions_m);
-  // Switches to the current model. Returns whether it changed.
+  // Switches to the current model and the clips that pass the filter now. Returns whether the model
+  // changed.
   absl::StatusOr<bool> SwitchModel();
 
   Query query_;
   const ObserveSetup setup_;
+  const Filter filter_;
   const std::shared_ptr<const core::MarkerScheme> scheme_;
   std::unique_ptr<core::Observer> observer_;  // null: the markers are not mapped yet
   ObserveMemory memory_;

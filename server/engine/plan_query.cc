@@ -45,15 +45,16 @@ absl::Status WithLimits(const absl::Status& status) {
 
 absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& request) {
   MOTIONDB_RETURN_IF_ERROR(CheckSearchTime(request.max_search_seconds));
-  MOTIONDB_RETURN_IF_ERROR(core::CheckProblem(query.model(), request.problem));
   PreparedPlan plan{.problem = request.problem};
   core::PlanProblem& problem = plan.problem;
+  problem.playable.mask = query.mask();
+  MOTIONDB_RETURN_IF_ERROR(core::CheckProblem(query.model(), problem));
   // The effort, not the clock, ends most searches, so that the same request returns the same plan.
   problem.effort = 1 + std::max(0.0, request.max_search_seconds - kDefaultSearchSeconds);
   if (request.observation_start) {
     MOTIONDB_ASSIGN_OR_RETURN(problem.start.observation, query.States(*request.observation_start));
   }
-  const auto origins = core::FindOrigins(query.model(), problem.start, problem.labels);
+  const auto origins = core::FindOrigins(query.model(), problem.start, problem.playable);
   if (!origins.ok()) return AtStart(problem.start, origins.status());
   const auto& clips = query.model().clips();
   const std::string start_clip =

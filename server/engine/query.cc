@@ -7,10 +7,50 @@
 
 namespace motiondb::server {
 
-absl::StatusOr<Query> Query::Begin(Engine& engine, const std::string& database, WorkOptions terms) {
+namespace {
+
+// Returns OK if the model contains the revision, or AwaitsChange.
+absl::Status CheckRevision(Engine& engine, LiveDatabase& live, const WorkOptions& terms,
+                           std::int64_t min_revision) {
+  if (min_revision == 0) return absl::OkStatus();
+  // First, so that no change is missed.
+  if (terms.wake_on) terms.wake_on(*live.signal());
+  if (live.lifecycle().served().revision >= min_revision) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision,
+                            engine.store().annotations().Revision(live.name()));
+  if (min_revision < 0 || min_revision > revision) {
+    return core::FieldViolation("min_revision",
+                                "expected 0 to {}, the revision of the database, got {}", revision,
+                                min_revision);
+  }
+  return AwaitsChange();
+}
+
+}  // namespace
+
+absl::StatusOr<Query> Query::Begin(Engine& engine, const std::string& database, WorkOptions terms,
+                                   const QueryScope& scope) {
   MOTIONDB_ASSIGN_OR_RETURN(auto live, engine.FindDatabase(database));
-  MOTIONDB_ASSIGN_OR_RETURN(auto snapshot, engine.CurrentModel(*live));
-  return Query(engine, std::move(live), std::move(snapshot), std::move(terms));
+  MOTIONDB_ASSIGN_OR_RETURN(const Filter filter,
+                            Filter::Parse(scope.filter, FilterSubject::kClips));
+  MOTIONDB_RETURN_IF_ERROR(CheckRevision(engine, *live, terms, scope.min_revision));
+  Query query(engine, std::move(live), std::move(terms));
+  MOTIONDB_RETURN_IF_ERROR(query.UseCurrentModel(filter).status());
+  return query;
+}
+
+absl::StatusOr<bool> Query::UseCurrentModel(const Filter& filter) {
+  MOTIONDB_ASSIGN_OR_RETURN(ServedModel served, engine_->CurrentModelAndRevision(*database_));
+  auto mask = mask_;
+  if (!filter.passes_all()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto catalog,
+                              database_->Catalog(engine_->store().annotations()));
+    MOTIONDB_ASSIGN_OR_RETURN(mask, database_->masks().Of(served.snapshot, *catalog, filter));
+  }
+  const bool is_changed = served.snapshot != served_.snapshot || mask != mask_;
+  served_ = std::move(served);
+  mask_ = std::move(mask);
+  return is_changed;
 }
 
 absl::StatusOr<core::StateSequence> Query::States(const Observation& observation) const {
@@ -23,8 +63,10 @@ absl::StatusOr<core::MarkerMotion> Query::Markers(const Observation& observation
                    terms_);
 }
 
-absl::StatusOr<std::vector<core::RecognizedWindow>> Query::Recognize(
-    const Observation& observation, const core::RecognizeOptions& options, int top_count) const {
+absl::StatusOr<std::vector<core::RecognizedWindow>> Query::Recognize(const Observation& observation,
+                                                                     core::RecognizeOptions options,
+                                                                     int top_count) const {
+  options.mask = mask_;
   MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(options));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, States(observation));
   MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(BytesToRecognize(model(), states, options, top_count)));
@@ -37,7 +79,8 @@ absl::StatusOr<std::vector<core::RecognizedWindow>> Query::Recognize(
 }
 
 absl::StatusOr<core::Estimation> Query::Estimate(const Observation& observation,
-                                                 const core::EstimateOptions& options) const {
+                                                 core::EstimateOptions options) const {
+  options.search.mask = mask_;
   MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(options.search));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, States(observation));
   MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(BytesToEstimate(model(), states, options)));
@@ -45,7 +88,8 @@ absl::StatusOr<core::Estimation> Query::Estimate(const Observation& observation,
 }
 
 absl::StatusOr<core::Prediction> Query::Predict(const Observation& observation,
-                                                const core::PredictOptions& options) const {
+                                                core::PredictOptions options) const {
+  options.mask = mask_;
   MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(options));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, States(observation));
   const std::int64_t bytes = BytesToPredict(model(), states, options);
@@ -57,11 +101,12 @@ absl::StatusOr<core::Prediction> Query::Predict(const Observation& observation,
 }
 
 absl::StatusOr<std::shared_ptr<PredictionSeries>> Query::PredictSeries(
-    const Observation& observation, const SeriesOptions& options) const {
+    const Observation& observation, SeriesOptions options) const {
+  options.prediction.mask = mask_;
   MOTIONDB_RETURN_IF_ERROR(core::Within("prediction", core::CheckOptions(options.prediction)));
   MOTIONDB_RETURN_IF_ERROR(CheckStep(options.every_seconds, model().settings().frame_rate_hz));
   MOTIONDB_ASSIGN_OR_RETURN(auto states, States(observation));
-  return PredictionSeries::Open(snapshot_, std::move(states), options, terms_);
+  return PredictionSeries::Open(served_.snapshot, std::move(states), options, terms_);
 }
 
 }  // namespace motiondb::server

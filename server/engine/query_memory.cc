@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "core/inference/node_path.h"
+#include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
-#include "core/recognition/window_alignment.h"
+#include "core/recognition/recognize.h"
 #include "server/engine/representation.h"
 
 namespace motiondb::server {
@@ -93,7 +94,8 @@ std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequenc
   const Bytes nodes = NodeCount(model, options.layer);
   const auto clips = static_cast<Bytes>(model.clips().size());
   const Bytes compared = align ? std::min(clips, kMaxAlignedClips) : clips;
-  const auto labels = static_cast<Bytes>(core::Labels(model).size());
+  const auto labels =
+      static_cast<Bytes>(core::UnitsOf(model, options.track, options.mask.get())->labels().size());
   const Bytes listed = top_count > 0 ? std::min<Bytes>(compared, top_count) : compared;
   Bytes bytes =
       BytesOfStates(states.frame_count(), MarkerCount(model)) + 2 * BytesOfRows(model, frames) +

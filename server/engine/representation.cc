@@ -22,6 +22,7 @@ constexpr double kUsualMarkers = 34;
 constexpr double kMaxLightPoints = 1 << 16;
 
 constexpr char kHeavyWorkMark[] = "motiondb.heavy-work";
+constexpr char kAwaitsChangeMark[] = "motiondb.awaits-change";
 
 absl::Status TooLong(const std::string& problem) {
   return core::WithReason("MOTION_TOO_LONG", absl::ResourceExhaustedError(
@@ -70,6 +71,16 @@ absl::Status HeavyWork() {
 
 bool IsHeavyWork(const absl::Status& status) {
   return status.GetPayload(kHeavyWorkMark).has_value();
+}
+
+absl::Status AwaitsChange() {
+  absl::Status status = absl::UnavailableError("the work waits for a change");
+  status.SetPayload(kAwaitsChangeMark, absl::Cord());
+  return status;
+}
+
+bool IsAwaitingChange(const absl::Status& status) {
+  return status.GetPayload(kAwaitsChangeMark).has_value();
 }
 
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,

@@ -14,6 +14,8 @@
 
 namespace motiondb::server {
 
+class ChangeSignal;
+
 // AllowedWork work: only light work, which ends within moments, or all work within the limits.
 enum class AllowedWork { kLightWork, kAllWork };
 
@@ -26,6 +28,9 @@ struct WorkOptions {
   std::function<absl::Status(std::int64_t)> reserve = {};
   // Deadline of the caller; max() if the caller set none.
   std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
+  // Runs the work again after the next change that `signal` tells of, if the work then returns
+  // AwaitsChange. Empty: the caller cannot wait.
+  std::function<void(ChangeSignal& signal)> wake_on = {};
 
   // RESOURCE_EXHAUSTED.
   absl::Status Reserve(std::int64_t bytes) const {
@@ -46,6 +51,10 @@ absl::Status HeavyWork();
 
 // Returns whether a conversion was refused because it is heavy work and only light work is allowed.
 bool IsHeavyWork(const absl::Status& status);
+
+// Returns the status of work that cannot go on before a database changes; see WorkOptions::wake_on.
+absl::Status AwaitsChange();
+bool IsAwaitingChange(const absl::Status& status);
 
 // Like core::Represent, within `limits`. RESOURCE_EXHAUSTED if the motion is too long or needs too
 // much memory; INVALID_ARGUMENT if its frame rate is too low; CANCELLED; see also IsHeavyWork.

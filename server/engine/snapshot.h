@@ -1,6 +1,7 @@
 // A model with its version and statistics. Immutable; queries share ownership.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "core/model/model.h"
@@ -24,11 +25,20 @@ struct Snapshot {
   Calibration calibration = Calibration::kOwn;
   // Whether clips can be added without a build (EngineOptions::extend_from).
   bool is_extensible = false;
+  // False: labels changed since metric and calibration were fitted.
+  bool has_fitted_labels = true;
 
   // Only a model with its own calibration is stored.
   bool is_stored() const { return calibration == Calibration::kOwn; }
 };
 
 using SnapshotPointer = std::shared_ptr<const Snapshot>;
+
+// The model that answers queries.
+struct ServedModel {
+  SnapshotPointer snapshot;  // null: none
+  // It contains all changes of the database up to this revision.
+  std::int64_t revision = 0;
+};
 
 }  // namespace motiondb::server

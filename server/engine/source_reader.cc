@@ -19,51 +19,22 @@
 #include <utility>
 #include <vector>
 
-#include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
 #include "import/launch.h"
 #include "storage/blob/motion_codec.h"
 #include "storage/cancellable_lock.h"
-#include "storage/mutex.h"
 
 namespace motiondb::server {
 namespace {
 
 using ImportJson = nlohmann::json;
 
-constexpr int kMaxImports = 4;
 // motiondb-import ends by itself before.
 constexpr std::chrono::seconds kImportTimeout{2 * kImportCpuSeconds + 5};
 
 // The running imports of this process.
-class ImportSlots {
- public:
-  // Waits for a slot. CANCELLED.
-  absl::Status Take(const core::Cancelled& cancelled) {
-    const storage::MutexLock lock(mutex_);
-    const bool is_free = freed_.WaitOrCancel(mutex_, cancelled, [this] {
-      mutex_.AssertHeld();
-      return free_ > 0;
-    });
-    if (!is_free) return storage::CancelledInQueue();
-    --free_;
-    return absl::OkStatus();
-  }
-  void Return() {
-    const storage::MutexLock lock(mutex_);
-    ++free_;
-    freed_.NotifyOne();
-  }
-
- private:
-  storage::Mutex mutex_;
-  storage::ConditionVariable freed_;
-  int free_ ABSL_GUARDED_BY(mutex_) =
-      std::clamp(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1, kMaxImports);
-};
-
-ImportSlots& Slots() {
-  static ImportSlots slots;
+storage::CancellableSemaphore& ImportSlots() {
+  static storage::CancellableSemaphore slots(MaxImports());
   return slots;
 }
 
@@ -217,8 +188,7 @@ class ImportAnswer {
 absl::StatusOr<core::MotionFile> Import(core::FileFormat format, core::SourceFile file,
                                         const std::optional<core::SourceFile>& skeleton,
                                         const core::ReadOptions& given, const WorkOptions& terms) {
-  MOTIONDB_RETURN_IF_ERROR(Slots().Take(terms.cancelled));
-  const absl::Cleanup return_slot = [] { Slots().Return(); };
+  MOTIONDB_ASSIGN_OR_RETURN(const auto slot, ImportSlots().Lock(terms.cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(const SharedBytes shared_file, SharedBytes::Make(file.bytes));
   SharedBytes shared_skeleton;
   std::vector<int> inherited = {shared_file.descriptor()};
@@ -255,6 +225,11 @@ absl::StatusOr<core::MotionFile> Import(core::FileFormat format, core::SourceFil
 }
 
 }  // namespace
+
+int MaxImports() {
+  constexpr int kMaxImports = 4;
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1, kMaxImports);
+}
 
 absl::StatusOr<core::MotionFile> ReadSource(core::FileFormat format, core::SourceFile file,
                                             std::optional<core::SourceFile> skeleton,

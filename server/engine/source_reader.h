@@ -10,8 +10,11 @@
 
 namespace motiondb::server {
 
-// Limits of one import. A process has at most one import for every two of its processors, one to
-// four; others wait.
+// Returns the maximum number of imports of this process at a time: one for every two processors,
+// one to four. Others wait.
+int MaxImports();
+
+// Limits of one import.
 inline constexpr int kImportMemoryMib = 512;
 inline constexpr int kImportCpuSeconds = 30;  // at most twice as long in all
 

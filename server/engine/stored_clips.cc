@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/clip_segments.h"
 
 namespace motiondb::server {
 namespace {
@@ -12,10 +13,13 @@ namespace {
 constexpr std::size_t kClipsAtOnce = 16;
 
 absl::StatusOr<core::BuildInput> ReadInput(storage::MotionStore& store, const std::string& database,
-                                           const std::string& clip) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto record, store.GetClip(database, clip));
+                                           const Catalog& catalog, const std::string& clip) {
+  const CatalogClip* const stored = catalog.Find(clip);
+  if (stored == nullptr) return core::NotFound("clip '{}' was deleted", clip);
   MOTIONDB_ASSIGN_OR_RETURN(auto states, store.ReadClipStates(database, clip));
-  return core::BuildInput{clip, record.label, std::move(states), record.subject};
+  auto labels =
+      storage::LabelTracksOf(stored->segments, states.frame_rate_hz, states.frame_count());
+  return core::BuildInput{clip, std::move(labels), std::move(states), stored->subject};
 }
 
 }  // namespace
@@ -36,14 +40,16 @@ absl::StatusOr<std::vector<storage::ClipRecord>> AllClips(storage::MotionStore& 
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
     storage::MotionStore& store, LiveDatabase& database, const std::vector<std::string>& clips,
     const core::ParallelFor& parallel, const std::function<bool(std::size_t)>& go_on) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, database.Catalog(store.annotations()));
   std::vector<core::BuildInput> inputs;
   inputs.reserve(clips.size());
   for (std::size_t first = 0; first < clips.size(); first += kClipsAtOnce) {
     if (go_on && !go_on(first)) return absl::CancelledError("stopped");
     const std::size_t count = std::min(kClipsAtOnce, clips.size() - first);
     std::vector<absl::StatusOr<core::BuildInput>> read(count);
-    parallel(static_cast<int>(count),
-             [&](int i) { read[i] = ReadInput(store, database.name(), clips[first + i]); });
+    parallel(static_cast<int>(count), [&](int i) {
+      read[i] = ReadInput(store, database.name(), *catalog, clips[first + i]);
+    });
     for (std::size_t i = 0; i < count; ++i) {
       const std::string& clip = clips[first + i];
       if (absl::IsNotFound(read[i].status())) continue;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/engine/shared_loop.h"
+#include "server/engine/source_reader.h"
 
 namespace motiondb::server {
 namespace {
@@ -55,13 +56,16 @@ Executor::Work Counted(std::atomic<int>& queued, Executor::Work work) {
 
 int Workers::ThreadCount(const EngineOptions& options) {
   constexpr int kOtherThreads = 4;  // extensions, changes (two), maintenance
-  return RequestThreads(options) + BuildThreads(options) + kOtherThreads;
+  return RequestThreads(options) + BuildThreads(options) + MaxImports() + kOtherThreads;
 }
 
 Workers::Workers(const EngineOptions& options)
     : pools_{Threads(RequestThreads(options), HeavyThreads(options)),
-             Threads(BuildThreads(options), BuildThreads(options)), Threads(1, 1), Threads(2, 1),
-             Threads(1, 1)} {}
+             Threads(BuildThreads(options), BuildThreads(options)),
+             Threads(1, 1),
+             Threads(2, 1),
+             Threads(1, 1),
+             Threads(MaxImports(), MaxImports())} {}
 
 Workers::~Workers() { Join(); }
 
@@ -89,17 +93,18 @@ core::ParallelFor Workers::Parallel(Pool pool) {
 
 QueueLengths Workers::queued() const {
   return {.requests = At(Pool::kRequests).queued,
-          .heavy_requests = At(Pool::kRequests).queued_in_turn,
+          .heavy_requests = At(Pool::kRequests).queued_in_turn + queued(Pool::kImports),
           .changes = At(Pool::kChanges).queued_in_turn,
           .urgent_changes = At(Pool::kChanges).queued,
           .maintenance = queued(Pool::kMaintenance)};
 }
 
 void Workers::Join() {
-  // Each pool before those that it may post to: requests may leave audit entries to the maintenance
+  // Each pool before those that it may post to; calls, which also post from requests to imports,
+  // have ended. Requests may leave audit entries to the maintenance
   // thread, and all pools request builds and extensions.
-  for (const Pool pool :
-       {Pool::kRequests, Pool::kChanges, Pool::kMaintenance, Pool::kBuilds, Pool::kExtensions}) {
+  for (const Pool pool : {Pool::kImports, Pool::kRequests, Pool::kChanges, Pool::kMaintenance,
+                          Pool::kBuilds, Pool::kExtensions}) {
     At(pool).threads.Join();
   }
 }

@@ -1,6 +1,7 @@
 // The engine's threads: one pool for requests, one for builds, so that a build never takes the last
-// core from queries, two threads for changes and one for each other pool (executor.h). All have the
-// same priority: with a lower priority, builds would starve on a busy machine.
+// core from queries, two threads for changes, one for each import that may run, and one for each
+// other pool (executor.h). All have the same priority: with a lower priority, builds would starve
+// on a busy machine.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@ namespace motiondb::server {
 // Queued pieces of work that have not begun, by pool.
 struct QueueLengths {
   int requests = 0;
-  int heavy_requests = 0;
+  int heavy_requests = 0;  // also those whose file waits to be imported
   int changes = 0;
   int urgent_changes = 0;
   int maintenance = 0;
@@ -66,7 +67,7 @@ class Workers : public Executor {
   Threads& At(Pool pool) { return pools_[static_cast<std::size_t>(pool)]; }
   const Threads& At(Pool pool) const { return pools_[static_cast<std::size_t>(pool)]; }
 
-  std::array<Threads, 5> pools_;  // by Pool
+  std::array<Threads, 6> pools_;  // by Pool
 };
 
 }  // namespace motiondb::server

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <grpcpp/client_context.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <nghttp2/nghttp2.h>
 
 #include <chrono>
@@ -19,26 +18,11 @@
 #include <string_view>
 #include <vector>
 
+#include "server/http2/call_bridge.h"
 #include "server/http2/grpc_wire.h"
-#include "server/rpc/call_limits.h"
 #include "server/rpc/call_memory.h"
 
 namespace motiondb::server {
-
-// Shared by all streams; outlives them.
-struct CallBridge {
-  CallBridge(grpc::GenericStub stub, std::int64_t memory_bytes, const CallLimits& call_limits,
-             std::uint32_t max_message_size)
-      : calls(std::move(stub)),
-        memory(memory_bytes),
-        limits(call_limits),
-        max_message_bytes(max_message_size) {}
-
-  grpc::GenericStub calls;  // to the gRPC server of this process
-  CallMemory memory;        // for headers and messages in transit, not for the work on them
-  const CallLimits& limits;
-  const std::uint32_t max_message_bytes;
-};
 
 // The connection of a stream.
 class StreamConnection {

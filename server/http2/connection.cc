@@ -36,14 +36,13 @@ std::span<std::uint8_t> Buffer() {
 
 }  // namespace
 
-Connection::Connection(CallBridge& bridge, boost::asio::io_context& context, ByteStream bytes,
-                       std::string peer, OnClosed on_closed)
+Connection::Connection(CallBridge& bridge, AcceptedClient client)
     : bridge_(bridge),
-      context_(context),
-      work_(context.get_executor()),
-      bytes_(std::move(bytes)),
-      peer_(std::move(peer)),
-      on_closed_(std::move(on_closed)),
+      context_(client.context),
+      work_(client.context.get_executor()),
+      bytes_(std::move(client.bytes)),
+      peer_(std::move(client.peer)),
+      on_closed_(std::move(client.on_closed)),
       session_(NewSession(*this)) {}
 
 Connection::~Connection() = default;
@@ -237,7 +236,7 @@ void Connection::Tick(Clock::time_point now) {
     if (now - *closing_since_ > kClientCloseTime) Close();
     return;
   }
-  if (!got_frame_ && now - began_ > kFirstFrameTime) return Close();
+  if (!got_frame_ && now - began() > kFirstFrameTime) return Close();
   if (now - last_activity_ > kIdleToPing + kPingReplyTime) return Close();
   if (now - last_activity_ > kIdleToPing && got_frame_ && !std::exchange(pinged_, true)) {
     nghttp2_submit_ping(session_.get(), NGHTTP2_FLAG_NONE, nullptr);

@@ -21,37 +21,30 @@
 #include <string>
 #include <vector>
 
-#include "server/http2/byte_stream.h"
 #include "server/http2/call_stream.h"
 #include "server/http2/frame_guard.h"
+#include "server/listen/client_connection.h"
 
 namespace motiondb::server {
 
 using Session = std::unique_ptr<nghttp2_session, decltype(&nghttp2_session_del)>;
 
-class Connection final : public StreamConnection, public std::enable_shared_from_this<Connection> {
+class Connection final : public ClientConnection,
+                         public StreamConnection,
+                         public std::enable_shared_from_this<Connection> {
  public:
-  using Clock = std::chrono::steady_clock;
+  using Clock = ClientConnection::Clock;
 
-  // Called on the connection's thread when it has ended. `reason`: why the server closed it; empty
-  // if the client closed it.
-  using OnClosed =
-      std::function<void(const std::shared_ptr<Connection>&, const std::string& reason)>;
-
-  Connection(CallBridge& bridge, boost::asio::io_context& context, ByteStream bytes,
-             std::string peer, OnClosed on_closed);
+  // `bridge` must outlive the connection.
+  Connection(CallBridge& bridge, AcceptedClient client);
   ~Connection() override;
 
-  void Start();
-  // Checks all time limits. Call about once a second.
-  void Tick(Clock::time_point now);
+  void Start() override;
+  void Tick(Clock::time_point now) override;
   // Sends GOAWAY and begins no more calls.
-  void Drain();
-  void Close();
-
-  // Number of open calls; callable from any thread.
-  int calls() const { return calls_.load(std::memory_order_relaxed); }
-  Clock::time_point began() const { return began_; }
+  void Drain() override;
+  void Close() override;
+  int calls() const override { return calls_.load(std::memory_order_relaxed); }
 
   nghttp2_session* session() override { return session_.get(); }
   void Post(std::function<void()> work) override;
@@ -81,7 +74,7 @@ class Connection final : public StreamConnection, public std::enable_shared_from
   ByteStream bytes_;
   const std::string peer_;
   std::string common_name_;
-  const OnClosed on_closed_;
+  const AcceptedClient::OnClosed on_closed_;
   Session session_;
   std::map<std::int32_t, std::shared_ptr<CallStream>> streams_;
   std::vector<std::shared_ptr<CallStream>> starting_streams_;  // begin at the end of this turn
@@ -99,11 +92,10 @@ class Connection final : public StreamConnection, public std::enable_shared_from
   std::int64_t dropped_ = 0;                        // bytes received since `closing_since_`
   std::string reason_;                              // why the server closes it
 
-  const Clock::time_point began_ = Clock::now();
-  Clock::time_point last_activity_ = began_;  // last time that bytes were read or written
-  bool pinged_ = false;                       // a ping was sent after `last_activity_`
-  bool got_frame_ = false;                    // an HTTP/2 frame has arrived
-  FrameGuard frames_{began_};
+  Clock::time_point last_activity_ = began();  // last time that bytes were read or written
+  bool pinged_ = false;                        // a ping was sent after `last_activity_`
+  bool got_frame_ = false;                     // an HTTP/2 frame has arrived
+  FrameGuard frames_{began()};
   std::int64_t calls_begun_ = 0;
   std::size_t chunk_ = 4096;  // size of the next read, bytes
 };

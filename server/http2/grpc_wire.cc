@@ -39,18 +39,6 @@ std::string Base64(std::string_view bytes) {
 
 }  // namespace
 
-MessagePrefix MakeMessagePrefix(std::uint32_t length) {
-  return {0, static_cast<std::uint8_t>(length >> 24), static_cast<std::uint8_t>(length >> 16),
-          static_cast<std::uint8_t>(length >> 8), static_cast<std::uint8_t>(length)};
-}
-
-bool IsCompressed(const MessagePrefix& prefix) { return prefix[0] != 0; }
-
-std::uint32_t MessageLength(const MessagePrefix& prefix) {
-  return std::uint32_t{prefix[1]} << 24 | std::uint32_t{prefix[2]} << 16 |
-         std::uint32_t{prefix[3]} << 8 | std::uint32_t{prefix[4]};
-}
-
 std::optional<std::chrono::nanoseconds> ParseTimeout(std::string_view text) {
   if (text.size() < 2 || text.size() > 9) return std::nullopt;
   std::int64_t count = 0;

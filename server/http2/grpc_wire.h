@@ -4,7 +4,6 @@
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/support/status.h>
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -14,16 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "server/http2/message_prefix.h"
+
 namespace motiondb::server {
 
 using HeaderList = std::vector<std::pair<std::string, std::string>>;
-
-// Precedes each message: a byte that is 1 if it is compressed, and its length, big-endian.
-inline constexpr std::size_t kMessagePrefixBytes = 5;
-using MessagePrefix = std::array<std::uint8_t, kMessagePrefixBytes>;
-MessagePrefix MakeMessagePrefix(std::uint32_t length);
-bool IsCompressed(const MessagePrefix& prefix);
-std::uint32_t MessageLength(const MessagePrefix& prefix);
 
 // Parses the header `grpc-timeout`: at most 8 digits and a unit, "250m". nullopt if malformed.
 std::optional<std::chrono::nanoseconds> ParseTimeout(std::string_view text);

@@ -1,4 +1,4 @@
-// Counts calls by method and code, their durations, calls in flight, and connections.
+// Counts calls by method and code, their durations, and calls in flight.
 // A call costs two atomic additions and a short lock of prometheus-cpp on the histogram of its
 // method. Thread-safe.
 #pragma once
@@ -115,13 +115,6 @@ class CallMeter {
       methods_;  // never changes after construction
   std::atomic<int> open_{0};
   std::atomic<int> open_streams_{0};
-};
-
-// Connections of clients.
-struct ConnectionMeter {
-  std::atomic<int> open = 0;
-  std::atomic<std::int64_t> refused = 0;  // no descriptor, or too many of one address
-  std::atomic<std::int64_t> ended = 0;    // closed by the server: client error or out of memory
 };
 
 }  // namespace motiondb::server

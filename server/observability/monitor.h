@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/listen/connection_meter.h"
 #include "server/observability/call_meter.h"
 #include "server/observability/server_statistics.h"
 #include "storage/mutex.h"

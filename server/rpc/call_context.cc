@@ -172,6 +172,10 @@ void CallContext::Post(std::function<void()> work) {
   workers.Post(method_.pool, std::move(work));
 }
 
+void CallContext::PostImport(std::function<void()> work) {
+  host_.engine.workers().PostFair(Pool::kImports, client_, std::move(work));
+}
+
 core::Cancelled CallContext::cancelled() const {
   return [this] { return context_.IsCancelled() || std::chrono::system_clock::now() > deadline_; };
 }
@@ -269,6 +273,8 @@ std::string CallContext::Subject(const google::protobuf::Message& request) const
   return text.empty() ? text : fmt::format("{}{}", rule.collection, text);
 }
 
+std::string CallContext::principal() const { return text::SafeText(principal_); }
+
 storage::AuditRecord CallContext::AuditRecordForChange(std::string resource) {
   resource_ = std::move(resource);
   recorded_ = true;
@@ -278,7 +284,7 @@ storage::AuditRecord CallContext::AuditRecordForChange(std::string resource) {
 storage::AuditRecord CallContext::Record(grpc::StatusCode code) const {
   storage::AuditRecord record;
   record.time_us = NowMicroseconds();
-  record.principal = text::SafeText(principal_);
+  record.principal = principal();
   record.peer = AddressOf(peer_);
   record.method = method_.name;
   record.resource = text::ValidUtf8(text::SafeText(resource_), kMaxResourceBytes);

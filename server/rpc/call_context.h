@@ -56,6 +56,8 @@ class CallContext {
   // Runs a further step of the call on a thread of its pool, when the client has its turn. `work`
   // must not throw.
   void Post(std::function<void()> work);
+  // As Post, on a thread of Pool::kImports.
+  void PostImport(std::function<void()> work);
   // The earlier of the client's deadline and the server's limit.
   std::chrono::system_clock::time_point deadline() const { return deadline_; }
   // True if the deadline has passed or the client has disconnected.
@@ -97,6 +99,8 @@ class CallContext {
   const std::string& peer() const { return peer_; }
   // Id of the only database that the caller may see; empty: all.
   std::string database() const { return caller_.has_value() ? caller_->database : ""; }
+  // The caller; see AuditEntry.principal.
+  std::string principal() const;
   AccessControl& access() { return host_.access; }
 
   // Returns the audit entry of the call, for the store to write in the transaction of the change.

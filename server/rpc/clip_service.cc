@@ -5,9 +5,11 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "server/engine/export_clip.h"
+#include "server/filter/listing.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
+#include "server/translate/annotation_request.h"
 #include "server/translate/file_format.h"
 #include "server/translate/page.h"
 #include "server/translate/record_messages.h"
@@ -29,17 +31,123 @@ absl::Status GetClip(const Call& call, const v1::GetClipRequest& request,
   return absl::OkStatus();
 }
 
-absl::Status ListClips(const Call& call, const v1::ListClipsRequest& request,
-                       v1::ListClipsResponse& response) {
+// Adds the stored clips of a page, except those deleted meanwhile. Returns the number of listed
+// clips that are on the page.
+absl::StatusOr<std::size_t> AddClips(const Call& call, const std::string& database,
+                                     const std::vector<const CatalogClip*>& listed, int size,
+                                     v1::ListClipsResponse& response) {
+  PageBudget budget(size);
+  std::size_t taken = 0;
+  for (const CatalogClip* const clip : listed) {
+    const auto record = call.engine.store().GetClip(database, clip->id);
+    if (!record.ok() && !absl::IsNotFound(record.status())) return record.status();
+    v1::Clip message;
+    if (record.ok()) SetClip(*record, message);
+    if (!budget.Take(message.ByteSizeLong())) break;
+    if (record.ok()) *response.add_clips() = std::move(message);
+    ++taken;
+  }
+  return taken;
+}
+
+absl::Status ListClipsPage(const Call& call, const v1::ListClipsRequest& request,
+                           v1::ListClipsResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
-  const std::string scope = ClipName(id, "");
+  MOTIONDB_ASSIGN_OR_RETURN(const Filter filter,
+                            Filter::Parse(request.filter(), FilterSubject::kClips));
+  MOTIONDB_ASSIGN_OR_RETURN(const ListOrder order,
+                            ListOrder::Parse(request.order_by(), FilterSubject::kClips));
+  const std::vector<std::string> names(request.facets().begin(), request.facets().end());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto facets, ParseFacets(names));
+  const std::string scope = fmt::format("{}?{}&{}", ClipName(id, ""), filter.text(), order.Text());
   MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
-  MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(id).status());
-  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
-                            call.engine.store().ListClips(id, {after, size + 1}));
-  response.set_next_page_token(FillPageFrom(records, size, scope, *response.mutable_clips(),
-                                            SetClip, [](const auto& record) { return record.id; }));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, live->Catalog(call.engine.store().annotations()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const ListedClips listed,
+      ListClips(*catalog, filter, order, {after, static_cast<std::size_t>(size) + 1}, facets,
+                call.cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::size_t taken,
+                            AddClips(call, id, listed.clips, size, response));
+  if (taken < listed.clips.size()) {
+    response.set_next_page_token(EncodePageToken(scope, order.KeyOf(*listed.clips[taken - 1])));
+  }
+  response.set_total_count(static_cast<int>(listed.total_count));
+  for (const Facet& facet : listed.facets) {
+    v1::Facet& to = *response.add_facets();
+    to.set_field(facet.field);
+    for (const FacetValue& value : facet.values) {
+      v1::FacetValue& count = *to.add_values();
+      count.set_value(value.value);
+      count.set_clip_count(value.clip_count);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SearchClips(const Call& call, const v1::SearchClipsRequest& request,
+                         v1::SearchClipsResponse& response) {
+  constexpr std::size_t kMaxQueryBytes = 1000;
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
+  if (request.query().size() > kMaxQueryBytes) {
+    return core::FieldViolation("query", "expected at most {} bytes, got {}", kMaxQueryBytes,
+                                request.query().size());
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
+  MOTIONDB_ASSIGN_OR_RETURN(const Filter filter,
+                            Filter::Parse(request.filter(), FilterSubject::kClips));
+  const std::string scope =
+      fmt::format("{}?{}&{}", ClipName(id, ""), filter.text(), request.query());
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
+  auto matches = call.engine.store().annotations().SearchClips(id, request.query());
+  if (!matches.ok()) return core::AtField("query", matches.status());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, live->Catalog(call.engine.store().annotations()));
+  std::vector<storage::TextMatch> passing;
+  for (storage::TextMatch& match : *matches) {
+    const CatalogClip* const clip = catalog->Find(match.clip);
+    if (clip != nullptr && filter.Passes(*clip)) passing.push_back(std::move(match));
+  }
+  // Best first; equal scores in order of name, so that pages continue each other.
+  std::ranges::sort(passing, [](const auto& a, const auto& b) {
+    return a.score != b.score ? a.score > b.score : a.clip < b.clip;
+  });
+  auto next = passing.begin();
+  if (!after.empty()) {
+    next = std::ranges::find(passing, after, &storage::TextMatch::clip);
+    if (next == passing.end()) {
+      return core::FieldViolation(
+          "page_token", "the last clip of the former page no longer matches; search again");
+    }
+    ++next;
+  }
+  response.set_total_count(static_cast<int>(passing.size()));
+  const auto set = [&](const storage::TextMatch& match, v1::ClipMatch& to) {
+    to.set_score(match.score);
+    const auto record = call.engine.store().GetClip(id, match.clip);
+    if (record.ok()) SetClip(*record, *to.mutable_clip());
+  };
+  const std::vector<storage::TextMatch> rest(next, passing.end());
+  response.set_next_page_token(FillPageFrom(rest, size, scope, *response.mutable_matches(), set,
+                                            [](const auto& match) { return match.clip; }));
+  return absl::OkStatus();
+}
+
+absl::Status UpdateClip(const Call& call, const v1::UpdateClipRequest& request,
+                        v1::UpdateClipResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const RequestedChange requested, ParseChange(request));
+  const auto audit = call.entry.AuditRecordForChange(request.clip().name());
+  MOTIONDB_ASSIGN_OR_RETURN(const Edited edited,
+                            call.engine.Edit(requested.database, {&requested.change, 1},
+                                             audit.principal, {&audit, call.cancelled}));
+  if (edited.edit.id == 0) call.entry.SetUnchanged();
+  const std::string& clip = std::get<storage::ClipChange>(requested.change).clip;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record,
+                            call.engine.store().GetClip(requested.database, clip));
+  SetClip(record, *response.mutable_clip());
+  response.set_revision(edited.revision);
+  if (edited.operation) SetOperation(*edited.operation, *response.mutable_operation());
   return absl::OkStatus();
 }
 
@@ -166,7 +274,17 @@ class ClipServiceImpl final : public v1::ClipService::CallbackService {
   grpc::ServerUnaryReactor* ListClips(grpc::CallbackServerContext* context,
                                       const v1::ListClipsRequest* request,
                                       v1::ListClipsResponse* response) override {
-    return Answer<server::ListClips>(host_, context, request, response);
+    return Answer<ListClipsPage>(host_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* UpdateClip(grpc::CallbackServerContext* context,
+                                       const v1::UpdateClipRequest* request,
+                                       v1::UpdateClipResponse* response) override {
+    return Answer<server::UpdateClip>(host_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* SearchClips(grpc::CallbackServerContext* context,
+                                        const v1::SearchClipsRequest* request,
+                                        v1::SearchClipsResponse* response) override {
+    return Answer<server::SearchClips>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* DeleteClip(grpc::CallbackServerContext* context,
                                        const v1::DeleteClipRequest* request,

@@ -1,7 +1,15 @@
+#include <algorithm>
+#include <deque>
+#include <iterator>
+#include <memory>
+#include <utility>
+
 #include "core/motion/error.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
+#include "server/rpc/stream_reactor.h"
+#include "server/translate/annotation_message.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/page.h"
 #include "server/translate/record_messages.h"
@@ -98,6 +106,79 @@ absl::Status ReprocessDatabase(const Call& call, const v1::ReprocessDatabaseRequ
   return absl::OkStatus();
 }
 
+// The changes of a database after a revision, in order.
+class ChangeSource {
+ public:
+  // `call` must outlive it.
+  // `revision`: of the database now.
+  ChangeSource(const Call& call, std::shared_ptr<LiveDatabase> database, std::int64_t after,
+               std::int64_t revision)
+      : call_(call),
+        database_(std::move(database)),
+        after_(after),
+        begun_(after == 0 ? revision : 0) {}
+
+  // AwaitsChange if there is no further change and the client knows that.
+  absl::StatusOr<bool> Next(v1::WatchDatabaseResponse& message) {
+    if (changes_.empty()) {
+      MOTIONDB_RETURN_IF_ERROR(Read());
+      if (changes_.empty() && is_up_to_date_) return AwaitsChange();
+      if (changes_.empty()) message.set_revision(after_);
+    }
+    if (!changes_.empty()) {
+      after_ = changes_.front().revision;
+      SetChange(database_->name(), changes_.front(), message);
+      changes_.pop_front();
+    }
+    is_up_to_date_ = changes_.empty() && !has_more_;
+    message.set_up_to_date(is_up_to_date_);
+    return true;
+  }
+
+ private:
+  absl::Status Read() {
+    constexpr int kChangesPerRead = 256;
+    call_.parking.WakeOn(*database_->signal());
+    const std::string& name = database_->name();
+    MOTIONDB_ASSIGN_OR_RETURN(const auto current, call_.engine.FindDatabase(name));
+    if (current != database_) {
+      return core::WithReason(
+          "DATABASE_NOT_FOUND",
+          core::NotFound("database '{}' was deleted and created again: watch it from 0", name));
+    }
+    MOTIONDB_ASSIGN_OR_RETURN(auto changes, call_.engine.store().annotations().Changes(
+                                                name, after_, kChangesPerRead, begun_));
+    has_more_ = std::ssize(changes) >= kChangesPerRead;
+    std::ranges::move(changes, std::back_inserter(changes_));
+    return absl::OkStatus();
+  }
+
+  const Call& call_;
+  const std::shared_ptr<LiveDatabase> database_;
+  std::int64_t after_;        // revision of the last change that was sent
+  const std::int64_t begun_;  // see AnnotationStore::Changes
+  std::deque<storage::ChangeRecord> changes_;
+  bool has_more_ = false;
+  bool is_up_to_date_ = false;  // and the client knows it
+};
+
+absl::StatusOr<MessageSource<v1::WatchDatabaseResponse>> OpenWatch(
+    const Call& call, const v1::WatchDatabaseRequest& request) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(auto database, call.engine.FindDatabase(id));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision,
+                            call.engine.store().annotations().Revision(id));
+  const std::int64_t after = request.after_revision();
+  if (after < 0 || after > revision) {
+    return FieldViolation("after_revision",
+                          "expected 0 to {}, the revision of the database, got {}; watch from 0 "
+                          "if the database was restored from a backup",
+                          revision, after);
+  }
+  const auto source = std::make_shared<ChangeSource>(call, std::move(database), after, revision);
+  return [source](v1::WatchDatabaseResponse& message) { return source->Next(message); };
+}
+
 class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
  public:
   explicit DatabaseServiceImpl(ServiceContext& host) : host_(host) {}
@@ -126,6 +207,11 @@ class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
                                               const v1::ReprocessDatabaseRequest* request,
                                               v1::ReprocessDatabaseResponse* response) override {
     return Answer<server::ReprocessDatabase>(host_, context, request, response);
+  }
+  grpc::ServerWriteReactor<v1::WatchDatabaseResponse>* WatchDatabase(
+      grpc::CallbackServerContext* context, const v1::WatchDatabaseRequest* request) override {
+    return new StreamReactor<v1::WatchDatabaseRequest, v1::WatchDatabaseResponse>(
+        host_, context, request, OpenWatch);
   }
 
  private:

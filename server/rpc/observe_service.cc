@@ -1,5 +1,6 @@
 #include <atomic>
 #include <memory>
+#include <utility>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.grpc.pb.h"
@@ -22,6 +23,7 @@ class ObserveReactor final
  public:
   ObserveReactor(ServiceContext& host, grpc::CallbackServerContext& context)
       : engine_(host.engine),
+        parking_(host.engine.workers()),
         context_(context),
         entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
         idle_timer_(engine_.workers(), host.limits.first_message_limit(),
@@ -45,6 +47,7 @@ class ObserveReactor final
     if (!ok) return End({grpc::StatusCode::CANCELLED, "the client disconnected"});
     Read();
   }
+  void OnCancel() override { parking_.Wake(); }
   void OnDone() override { delete this; }
 
  private:
@@ -62,8 +65,18 @@ class ObserveReactor final
   }
 
   void Work(const absl::Status& reserved) {
-    const grpc::Status status =
-        RunHandler(entry_.cancelled(), [&] { return reserved.ok() ? Take() : reserved; });
+    bool waits = false;
+    parking_.BeginStep();
+    const grpc::Status status = RunHandler(entry_.cancelled(), [&] {
+      absl::Status taken = reserved.ok() ? Take() : reserved;
+      waits = IsAwaitingChange(taken);
+      return taken;
+    });
+    if (waits && parking_.stopped()) return End(StoppingStatus());
+    if (waits) {
+      return parking_.Park(entry_.deadline(),
+                           [this] { entry_.Post([this] { Work(absl::OkStatus()); }); });
+    }
     if (!status.ok()) return End(status);
     if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
     idle_timer_.Restart();
@@ -107,6 +120,7 @@ class ObserveReactor final
   // response.
   void Stop() {
     stopping_ = true;
+    parking_.Stop();
     EndInClientsTurn(StoppingStatus);
   }
 
@@ -129,7 +143,8 @@ class ObserveReactor final
   }
 
   absl::Status Take() {
-    MOTIONDB_RETURN_IF_ERROR(session_ == nullptr ? entry_.Check(request_) : entry_.Recheck());
+    MOTIONDB_RETURN_IF_ERROR(std::exchange(checked_, true) ? entry_.Recheck()
+                                                           : entry_.Check(request_));
     switch (request_.part_case()) {
       case v1::ObserveRequest::kStart:
         return Open();
@@ -154,11 +169,11 @@ class ObserveReactor final
                               ParseDatabaseName("database", start.database()));
     MOTIONDB_ASSIGN_OR_RETURN(ObserveSetup setup, ParseObserveSetup(start));
     top_count_ = start.top_count();
-    MOTIONDB_ASSIGN_OR_RETURN(Query query, Query::Begin(engine_, id,
-                                                        {.cancelled = entry_.cancelled(),
-                                                         .reserve = [this](std::int64_t bytes) {
-                                                           return entry_.ReserveWork(bytes);
-                                                         }}));
+    const WorkOptions terms{
+        .cancelled = entry_.cancelled(),
+        .reserve = [this](std::int64_t bytes) { return entry_.ReserveWork(bytes); },
+        .wake_on = [this](ChangeSignal& signal) { parking_.WakeOn(signal); }};
+    MOTIONDB_ASSIGN_OR_RETURN(Query query, Query::Begin(engine_, id, terms, setup.scope));
     return ObserveSession::Open(std::move(query), std::move(setup));
   }
 
@@ -177,6 +192,8 @@ class ObserveReactor final
   v1::ObserveResponse response_;
   int top_count_ = 0;
   std::unique_ptr<ObserveSession> session_;
+  bool checked_ = false;
+  Parking parking_;
   std::atomic<bool> stopping_ = false;
   storage::Mutex mutex_;
   Turn turn_ ABSL_GUARDED_BY(mutex_) = Turn::kClient;
@@ -199,7 +216,9 @@ namespace {
 
 absl::Status Represent(const Call& call, const v1::RepresentRequest& request,
                        v1::RepresentResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id,
+                            ParseDatabaseName("database", request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const Query query, Query::Begin(call.engine, id, call.work_options()));
   MOTIONDB_ASSIGN_OR_RETURN(
       const Observation observation,
       ParseObservation("observation", request.observation(), query.database()->name()));

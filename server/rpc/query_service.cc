@@ -9,13 +9,21 @@
 #include "server/translate/observation.h"
 #include "server/translate/plan_message.h"
 #include "server/translate/query_message.h"
+#include "server/translate/record_messages.h"
 
 namespace motiondb::server {
 namespace {
 
+// Sets which model answers, and the revision that it contains.
+template <typename Response>
+void SetModelOf(const Query& query, Response& response) {
+  response.set_revision(query.revision());
+  response.set_model_version(query.snapshot()->record.version);
+}
+
 absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
                        v1::RecognizeResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseRecognizeOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
@@ -23,24 +31,26 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
                             query.Recognize(observation, options, request.top_count()));
   response.set_calibration(CalibrationOf(*query.snapshot()));
+  SetModelOf(query, response);
   return SetRecognition(windows, database, query.model(), request.top_count(), response);
 }
 
 absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
                       v1::EstimateResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto observation,
       ParseObservation("observation", request.observation(), query.database()->name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseEstimateOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto estimation, query.Estimate(observation, options));
   SetEstimation(estimation, query.model(), response);
+  SetModelOf(query, response);
   return absl::OkStatus();
 }
 
 absl::Status Predict(const Call& call, const v1::PredictRequest& request,
                      v1::PredictResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParsePredictOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
@@ -48,34 +58,39 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, query.Predict(observation, options));
   SetPrediction(prediction, database, query.model(), response);
   response.set_calibration(CalibrationOf(*query.snapshot()));
+  SetModelOf(query, response);
   return absl::OkStatus();
 }
 
 absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
     const Call& call, const v1::PredictSeriesRequest& request) {
   const v1::PredictRequest& first = request.prediction();
-  MOTIONDB_ASSIGN_OR_RETURN(const Query query,
-                            BeginQuery(call, first.database(), "prediction.database"));
+  const auto begun = BeginQuery(call, first);
+  if (!begun.ok()) return core::Within("prediction", begun.status());
+  const Query& query = *begun;
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseSeriesOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto observation,
       ParseObservation("prediction.observation", first.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto series, query.PredictSeries(observation, options));
-  return [series, database](v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
+  return [series, query](v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
     MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, series->Next());
     if (!prediction.has_value()) return false;
-    SetPrediction(*prediction, database, series->model(), *message.mutable_prediction());
-    message.mutable_prediction()->set_calibration(CalibrationOf(series->snapshot()));
+    v1::PredictResponse& to = *message.mutable_prediction();
+    SetPrediction(*prediction, query.database()->name(), query.model(), to);
+    to.set_calibration(CalibrationOf(*query.snapshot()));
+    SetModelOf(query, to);
     return true;
   };
 }
 
 absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const PlanRequest plan, ParsePlanRequest(request, database));
   MOTIONDB_ASSIGN_OR_RETURN(const PlanResult result, FindPlan(query, plan));
+  SetModelOf(query, response);
   return SetPlan(result, database, query.model(), call.cancelled, response);
 }
 

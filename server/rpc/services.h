@@ -26,6 +26,8 @@ namespace motiondb::server {
 std::unique_ptr<grpc::Service> MakeDatabaseService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeMarkerSetService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeClipService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeSegmentService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeEditService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeModelService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeOperationService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeQueryService(ServiceContext& host);

@@ -1,5 +1,6 @@
 // Server-streaming calls. Each message is made on a request thread after the previous one was
-// accepted, so a slow client needs no more memory. An idle client is disconnected.
+// accepted, so a slow client needs no more memory. An idle client is disconnected. A source that
+// has no message yet waits for a change of a database (parking.h).
 #pragma once
 
 #include <grpcpp/support/server_callback.h>
@@ -14,7 +15,8 @@
 
 namespace motiondb::server {
 
-// Makes the next message; returns false at the end. Owns its data. Called by one thread at a time.
+// Makes the next message; returns false at the end. AwaitsChange: there is none yet, and it has
+// subscribed to a change by Call::parking. Owns its data. Called by one thread at a time.
 template <typename Response>
 using MessageSource = std::function<absl::StatusOr<bool>(Response&)>;
 
@@ -28,8 +30,9 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   // gRPC keeps `request` until the call is finished.
   StreamReactor(ServiceContext& host, grpc::CallbackServerContext* context, const Request* request,
                 Open open)
-      : entry_(host, *context, MethodOf<Request>()),
-        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor},
+      : parking_(host.engine.workers()),
+        entry_(host, *context, MethodOf<Request>(), [this] { parking_.Stop(); }),
+        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor, parking_},
         context_(*context),
         idle_timer_(host.engine.workers(), host.limits.options().idle_limit,
                     host.limits.options().idle_limit, [this] { OnIdle(); }) {
@@ -51,6 +54,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
       Step([this] { return Produce(); });
     });
   }
+  void OnCancel() override { parking_.Wake(); }
   void OnDone() override { delete this; }
 
  private:
@@ -60,14 +64,23 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
              bool as_heavy = false) {
     if (!checked.ok()) return End(std::move(checked));
     bool is_heavy = false;
+    parking_.BeginStep();
     grpc::Status begun = RunHandler(call_.cancelled, [&]() -> absl::Status {
       auto opened = open(call_, request);
       is_heavy = IsHeavyWork(opened.status());
+      waits_ = IsAwaitingChange(opened.status());
       if (!opened.ok()) return opened.status();
       next_ = *std::move(opened);
       return Produce();
     });
     if (as_heavy) entry_.EndHeavy();
+    if (next_ == nullptr && waits_) {
+      if (parking_.stopped()) return End(StoppingStatus());
+      return parking_.Park(entry_.deadline(), [this, open, &request] {
+        entry_.Post(
+            [this, open, &request] { Begin(open, request, ToGrpcStatus(entry_.Recheck())); });
+      });
+    }
     if (!is_heavy) return Continue(std::move(begun));
     entry_.BeginHeavy([this, open, &request](grpc::Status entered) {
       Begin(open, request, std::move(entered), true);
@@ -77,7 +90,10 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   absl::Status Produce() {
     MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
     message_.Clear();
+    parking_.BeginStep();
     auto made = next_(message_);
+    waits_ = IsAwaitingChange(made.status());
+    if (waits_) return absl::OkStatus();
     if (!made.ok()) return made.status();
     ended_ = !*made;
     return absl::OkStatus();
@@ -89,6 +105,11 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
 
   void Continue(grpc::Status status) {
     if (!status.ok() || ended_) return End(std::move(status));
+    if (waits_ && parking_.stopped()) return End(StoppingStatus());
+    if (waits_) {
+      return parking_.Park(entry_.deadline(),
+                           [this] { entry_.Post([this] { Step([this] { return Produce(); }); }); });
+    }
     idle_timer_.Restart();
     writing_ = true;
     this->StartWrite(&message_);
@@ -103,11 +124,13 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
 
   void End(grpc::Status status) { this->Finish(entry_.End(std::move(status))); }
 
+  Parking parking_;
   CallContext entry_;
   const Call call_;
   MessageSource<Response> next_;
   Response message_;
   bool ended_ = false;
+  bool waits_ = false;
   grpc::CallbackServerContext& context_;
   std::atomic<bool> writing_ = false;  // until the flow-control window has room for the message
   std::atomic<bool> idle_ = false;

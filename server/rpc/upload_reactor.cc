@@ -1,6 +1,7 @@
 #include "server/rpc/upload_reactor.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -37,16 +38,24 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
     return absl::OkStatus();
   }
 
+  bool NeedsImport() const override { return stream_.needs_import(); }
+
+  absl::Status Import() override {
+    MOTIONDB_ASSIGN_OR_RETURN(request_, stream_.Finish());
+    return AtField("file_block", ImportBefore(*request_, Terms()));
+  }
+
   absl::Status Answer() override {
-    MOTIONDB_ASSIGN_OR_RETURN(IngestRequest request, stream_.Finish());
+    if (!request_) {
+      MOTIONDB_ASSIGN_OR_RETURN(request_, stream_.Finish());
+    }
+    IngestRequest& request = *request_;
     const bool validate_only = request.validate_only;
+    request.clip.author = entry().principal();
     request.clip.audit = [this](const storage::ClipRecord& record) {
       return entry().AuditRecordForChange(ClipName(record.database, record.id));
     };
-    auto ingested =
-        engine_.Ingest(database_, std::move(request),
-                       {AllowedWork::kAllWork, entry().cancelled(),
-                        [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }});
+    auto ingested = engine_.Ingest(database_, std::move(request), Terms());
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
     if (validate_only) {
@@ -58,11 +67,17 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
     return absl::OkStatus();
   }
 
+  WorkOptions Terms() {
+    return {AllowedWork::kAllWork, entry().cancelled(),
+            [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }};
+  }
+
   Engine& engine_;
   v1::IngestClipResponse& response_;
   IngestStream stream_;
   std::shared_ptr<LiveDatabase> database_;
   std::unique_ptr<ModelLifecycle::Ingest> in_flight_;
+  std::optional<IngestRequest> request_;
 };
 
 }  // namespace

@@ -30,6 +30,7 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
       });
     }
     if (ok && taking_ == ReceiveThread::kGrpcThread) return ProcessOnGrpcThread();
+    if (!ok && NeedsImport()) return entry_.PostImport([this] { ImportThenAnswer(); });
     entry_.Post([this, ok] { Step(ok); });
   }
   void OnDone() final { delete this; }
@@ -50,6 +51,10 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
 
   // Processes a message of an authorized caller. The first one runs on a request thread.
   virtual absl::Status Take(Request& message) = 0;
+  // Whether Import must run before Answer. After the last message.
+  virtual bool NeedsImport() const { return false; }
+  // Waits for another process, on a thread of Pool::kImports.
+  virtual absl::Status Import() { return absl::OkStatus(); }
   // Fills the response after the last message; there may have been none. On a request thread.
   virtual absl::Status Answer() = 0;
 
@@ -86,6 +91,15 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
     if (status.ok()) return Read();
     // Posted, because the end writes an audit entry, and gRPC's threads must not block.
     entry_.Post([this, status] { End(status); });
+  }
+
+  void ImportThenAnswer() {
+    const grpc::Status status = RunHandler(entry_.cancelled(), [this]() -> absl::Status {
+      const LogFields fields{{"request_id", entry_.request_id()}};
+      MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
+      return Import();
+    });
+    entry_.Post([this, status] { status.ok() ? Step(false) : End(status); });
   }
 
   // Releases the memory of the upload; a build may also wait for the rest of it.

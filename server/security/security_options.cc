@@ -46,8 +46,12 @@ bool IsLoopback(const std::string& listen) {
 }
 
 absl::StatusOr<SecurityConfig> DeriveSecurityConfig(const SecurityOptions& options,
-                                                    const std::string& listen) {
+                                                    const std::string& grpc_listen,
+                                                    const std::string& web_listen) {
   MOTIONDB_RETURN_IF_ERROR(CheckTls(options));
+  // All listeners have the same protection: that of the most exposed one.
+  const bool is_web = IsLoopback(grpc_listen) && !web_listen.empty() && !IsLoopback(web_listen);
+  const std::string& listen = is_web ? web_listen : grpc_listen;
   const bool loopback = IsLoopback(listen);
   const bool encrypted = options.tls.enabled();
   SecurityConfig plan;

@@ -46,9 +46,10 @@ struct SecurityConfig {
 bool IsLoopback(const std::string& listen);
 
 // Derives the configuration. Returns INVALID_ARGUMENT if options contradict each other or a file is
-// invalid (with its path); FAILED_PRECONDITION if other machines can reach `listen` without TLS or
-// authentication, unless `insecure` is set.
+// invalid (with its path); FAILED_PRECONDITION if other machines can reach an address without TLS
+// or authentication, unless `insecure` is set. `web_listen`: address of the HTTP API; empty: none.
 absl::StatusOr<SecurityConfig> DeriveSecurityConfig(const SecurityOptions& options,
-                                                    const std::string& listen);
+                                                    const std::string& listen,
+                                                    const std::string& web_listen = "");
 
 }  // namespace motiondb::server

@@ -56,13 +56,20 @@ void FileReloader::Look() {
 
 namespace {
 
-// Selects HTTP/2, the only protocol of the server. OpenSSL does not call this for a client without
-// ALPN; the server assumes HTTP/2 then.
-int ChooseProtocol(SSL*, const unsigned char** chosen, unsigned char* size,
+constexpr unsigned char kHttp2[] = {2, 'h', '2'};
+constexpr unsigned char kHttp1[] = {8, 'h', 't', 't', 'p', '/', '1', '.', '1'};
+// The application data of a connection points to this for HTTP/1.1; otherwise it is null.
+char http1_mark = 0;
+
+// Selects the only protocol of the connection. OpenSSL does not call this for a client without
+// ALPN; the server assumes the protocol of the listener then.
+int ChooseProtocol(SSL* connection, const unsigned char** chosen, unsigned char* size,
                    const unsigned char* offered, unsigned offered_size, void*) {
-  static constexpr unsigned char kHttp2[] = {2, 'h', '2'};
+  const bool is_http1 = SSL_get_app_data(connection) == &http1_mark;
+  const unsigned char* const protocol = is_http1 ? kHttp1 : kHttp2;
+  const unsigned protocol_size = is_http1 ? sizeof(kHttp1) : sizeof(kHttp2);
   unsigned char* found = nullptr;
-  if (SSL_select_next_proto(&found, size, kHttp2, sizeof(kHttp2), offered, offered_size) !=
+  if (SSL_select_next_proto(&found, size, protocol, protocol_size, offered, offered_size) !=
       OPENSSL_NPN_NEGOTIATED) {
     return SSL_TLSEXT_ERR_ALERT_FATAL;
   }
@@ -120,6 +127,10 @@ absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeContext(const TlsContents& texts) {
 }
 
 }  // namespace
+
+void SetProtocol(SSL& connection, TlsProtocol protocol) {
+  SSL_set_app_data(&connection, protocol == TlsProtocol::kHttp1 ? &http1_mark : nullptr);
+}
 
 absl::StatusOr<std::unique_ptr<Tls>> Tls::Start(const TlsFiles& files,
                                                 CertificateExpiry::Tell tell_end) {

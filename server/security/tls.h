@@ -66,6 +66,13 @@ class CertificateExpiry {
   bool warned_ = false;
 };
 
+// Protocol of the connections of a listener. TLS clients select it by ALPN.
+enum class TlsProtocol { kHttp2, kHttp1 };
+
+// Sets the only protocol that the server accepts on this connection of Tls::context. Without it
+// HTTP/2. A client without ALPN is accepted.
+void SetProtocol(SSL& connection, TlsProtocol protocol);
+
 // The TLS context of the server: its certificate and the authorities of its clients. Uses only a
 // certificate and key that match; otherwise logs the fault and keeps the previous pair.
 class Tls {
@@ -76,7 +83,8 @@ class Tls {
   static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files,
                                                     CertificateExpiry::Tell tell_end);
 
-  // Returns the context for new connections: TLS 1.2 or later, only HTTP/2, no session resumption.
+  // Returns the context for new connections: TLS 1.2 or later, no session resumption; SetProtocol
+  // selects the protocol of a connection.
   // Requires a client certificate if `client_ca` is set. The files are read every second; an
   // existing connection keeps its context.
   std::shared_ptr<SSL_CTX> context() const;

@@ -1,4 +1,6 @@
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "core/motion/error.h"
 #include "server/observability/health_server.h"
@@ -6,18 +8,6 @@
 #include "server/settings/options.h"
 
 namespace motiondb::server {
-
-void AddNetworkSettings(CLI::App& app, Settings& settings) {
-  app.add_option("--listen", settings.server.listen,
-                 "Address of the gRPC listener; port 0: any free port")
-      ->type_name("HOST:PORT")
-      ->check(ListenAddress())
-      ->capture_default_str()
-      ->group("Network");
-  AddSeconds(app, "--grace-seconds", settings.grace, 0, 3600,
-             "Time that running calls may take after SIGTERM")
-      ->group("Network");
-}
 
 namespace {
 
@@ -49,11 +39,35 @@ bool Clash(const Address& a, const Address& b) {
 
 }  // namespace
 
+void AddNetworkSettings(CLI::App& app, Settings& settings) {
+  app.add_option("--listen", settings.server.listen,
+                 "Address of the gRPC listener; port 0: any free port")
+      ->type_name("HOST:PORT")
+      ->check(ListenAddress())
+      ->capture_default_str()
+      ->group("Network");
+  app.add_option_function<std::string>(
+         "--web-listen",
+         [&settings](const std::string& listen) {
+           settings.server.web_listen = listen == "none" ? "" : listen;
+         },
+         "Address of the HTTP API: every RPC by the Connect protocol, as JSON or protobuf, with "
+         "the TLS and the authentication of the gRPC listener; port 0: any free port; none: no "
+         "HTTP API")
+      ->type_name("HOST:PORT")
+      ->check(ListenAddressOrNone())
+      ->default_str("none")
+      ->group("Network");
+  AddSeconds(app, "--grace-seconds", settings.grace, 0, 3600,
+             "Time that running calls may take after SIGTERM")
+      ->group("Network");
+}
+
 void AddHttpSettings(CLI::App& app, Settings& settings) {
-  app.add_option(
-         "--http-listen", settings.http_listen,
-         "Address of the HTTP listener: /metrics, /livez, /readyz, without authentication; port 0: "
-         "any free port; none: no HTTP; if not set: 127.0.0.1:9464, if that port is free")
+  app.add_option("--http-listen", settings.http_listen,
+                 "Address of the metrics and health pages /metrics, /livez, /readyz, without "
+                 "authentication; port 0: any free port; none: no pages; if not set: "
+                 "127.0.0.1:9464, if that port is free")
       ->type_name("HOST:PORT")
       ->check(ListenAddressOrNone())
       ->capture_default_str()
@@ -61,14 +75,30 @@ void AddHttpSettings(CLI::App& app, Settings& settings) {
 }
 
 void CheckHttpSettings(const Settings& settings, std::vector<absl::Status>& problems) {
-  if (settings.http_listen == "none") return;
-  const bool is_default = settings.http_listen.empty();
-  const std::string http = is_default ? kDefaultHttpListen : settings.http_listen;
-  const std::string& listen = settings.server.listen;
-  if (!Clash(Address(listen), Address(http))) return;
-  problems.push_back(core::InvalidArgument(
-      "listen and http-listen: {} and {}{} conflict; set a different port for each", listen, http,
-      is_default ? " (the default)" : ""));
+  struct Listener {
+    const char* key;
+    std::string address;
+    const char* origin;
+  };
+  std::vector<Listener> listeners = {{"listen", settings.server.listen, ""}};
+  if (!settings.server.web_listen.empty()) {
+    listeners.push_back({"web-listen", settings.server.web_listen, ""});
+  }
+  if (settings.http_listen.empty()) {
+    listeners.push_back({"http-listen", kDefaultHttpListen, " (the default)"});
+  } else if (settings.http_listen != "none") {
+    listeners.push_back({"http-listen", settings.http_listen, ""});
+  }
+  for (std::size_t j = 1; j < listeners.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      const Listener& a = listeners[i];
+      const Listener& b = listeners[j];
+      if (!Clash(Address(a.address), Address(b.address))) continue;
+      problems.push_back(
+          core::InvalidArgument("{} and {}: {} and {}{} conflict; set a different port for each",
+                                a.key, b.key, a.address, b.address, b.origin));
+    }
+  }
 }
 
 void AddLogSettings(CLI::App& app, Settings& settings) {

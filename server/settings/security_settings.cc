@@ -85,7 +85,8 @@ void AddSecuritySettings(CLI::App& app, Settings& settings) {
 }
 
 void CheckSecuritySettings(const Settings& settings, std::vector<absl::Status>& problems) {
-  const auto plan = DeriveSecurityConfig(settings.server.security, settings.server.listen);
+  const auto plan = DeriveSecurityConfig(settings.server.security, settings.server.listen,
+                                         settings.server.web_listen);
   if (!plan.ok()) problems.push_back(plan.status());
 }
 

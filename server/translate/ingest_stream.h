@@ -29,6 +29,8 @@ class IngestStream {
   const std::string& database() const { return database_; }
   // Whether the header asks to store nothing.
   bool validate_only() const { return request_.validate_only; }
+  // Whether the file is one that motiondb-import reads; false before the header.
+  bool needs_import() const { return !database_.empty() && NeedsImport(request_); }
   // Bytes received so far, of the file and its skeleton.
   std::size_t byte_count() const {
     return request_.clip.file_bytes.size() + request_.clip.skeleton_bytes.size();

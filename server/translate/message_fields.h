@@ -52,11 +52,11 @@ inline void AppendPacked(const float* values, std::size_t count, std::string& by
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(float));
 }
 
-// Sets a Timestamp from microseconds since the Unix epoch.
-
+// Sets a Timestamp from microseconds since the Unix epoch; they may be negative.
 inline void SetTimestamp(std::int64_t time_us, google::protobuf::Timestamp& timestamp) {
-  timestamp.set_seconds(time_us / 1'000'000);
-  timestamp.set_nanos(static_cast<std::int32_t>(time_us % 1'000'000 * 1000));
+  const std::int64_t rest = (time_us % 1'000'000 + 1'000'000) % 1'000'000;
+  timestamp.set_seconds((time_us - rest) / 1'000'000);
+  timestamp.set_nanos(static_cast<std::int32_t>(rest * 1000));
 }
 
 }  // namespace motiondb::server

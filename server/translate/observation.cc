@@ -87,6 +87,7 @@ absl::StatusOr<ObserveSetup> ParseObserveSetup(const v1::ObserveStart& start) {
   setup.frame_rate_hz = start.frame_rate_hz();
   if (start.has_leg_length_m()) setup.leg_length_m = start.leg_length_m();
   MOTIONDB_ASSIGN_OR_RETURN(setup.options, ParseObserverOptions(start));
+  setup.scope = {start.filter(), start.min_revision()};
   return setup;
 }
 
@@ -96,6 +97,7 @@ PackedFrames FramesFrom(const v1::ObservedFrames& frames) {
 
 void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& message) {
   message.set_model_version(step.model_version);
+  message.set_revision(step.revision);
   message.set_model_replaced(step.model_replaced);
   message.set_calibration(ToProto(step.calibration, step.unknown_calibration));
   message.set_late_frames(step.late_frames);
@@ -106,6 +108,7 @@ void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& messag
   message.set_layer(observed.layer);
   SetState(observed.state, *message.mutable_state());
   SetLabels(observed.labels, top_count, *message.mutable_labels());
+  SetTracks(observed.other_tracks, top_count, *message.mutable_other_tracks());
   if (observed.unknown_probability) message.set_unknown_probability(*observed.unknown_probability);
   message.set_familiarity(observed.familiarity);
   SetHorizons(observed.horizons, *message.mutable_horizons());

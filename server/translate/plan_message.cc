@@ -327,7 +327,7 @@ absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.goal, GoalFrom(request));
   MOTIONDB_RETURN_IF_ERROR(SetNumbers(request, plan));
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.method, PlanMethodFrom(request.method()));
-  plan.problem.labels = {request.labels().begin(), request.labels().end()};
+  plan.problem.playable.labels = {request.labels().begin(), request.labels().end()};
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.obstacles, ObstaclesFrom(request.obstacles()));
   MOTIONDB_RETURN_IF_ERROR(SetStart(request, database, plan));
   MOTIONDB_RETURN_IF_ERROR(SetBody(request, database, plan));

@@ -40,6 +40,15 @@ void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
   }
 }
 
+void SetTracks(const std::vector<core::TrackAnswer>& tracks, int top_count,
+               google::protobuf::RepeatedPtrField<v1::TrackLabels>& messages) {
+  for (const core::TrackAnswer& track : tracks) {
+    v1::TrackLabels& to = *messages.Add();
+    to.set_track(track.track);
+    SetLabels(track.labels, top_count, *to.mutable_labels());
+  }
+}
+
 void SetHorizons(const std::vector<core::PredictedFrame>& frames,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages) {
   for (const core::PredictedFrame& frame : frames) {
@@ -80,10 +89,11 @@ absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
       const core::ModelClip& clip = model.clips()[window.clips[i].clip];
       v1::ClipProbability& ranked = *to.add_clips();
       ranked.set_clip(ClipName(database, clip.id));
-      ranked.set_label(clip.label);
+      ranked.set_label(window.clips[i].label);
       ranked.set_log_probability(window.clips[i].log_probability);
     }
     SetLabels(window.labels, 0, *to.mutable_labels());
+    SetTracks(window.other_tracks, 0, *to.mutable_other_tracks());
   }
   return absl::OkStatus();
 }
@@ -185,6 +195,7 @@ absl::StatusOr<core::RecognizeOptions> ParseRecognizeOptions(const v1::Recognize
   MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(request));
   if (request.has_transition_floor()) options.transition_floor = request.transition_floor();
   if (request.has_path_count()) options.path_count = request.path_count();
+  options.track = request.track();
   return options;
 }
 
@@ -225,6 +236,7 @@ absl::StatusOr<core::ObserverOptions> ParseObserverOptions(const v1::ObserveStar
   MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(start));
   if (start.has_transition_floor()) options.transition_floor = start.transition_floor();
   MOTIONDB_RETURN_IF_ERROR(CheckTopCount(start));
+  options.track = start.track();
   return options;
 }
 

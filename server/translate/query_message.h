@@ -24,6 +24,7 @@ class PredictRequest;
 class PredictResponse;
 class PredictSeriesRequest;
 class PredictedFrame;
+class TrackLabels;
 class RecognizeRequest;
 class RecognizeResponse;
 }  // namespace motiondb::v1
@@ -46,6 +47,8 @@ void SetPrediction(const core::Prediction& prediction, const std::string& databa
 void SetState(const core::NodeState& state, v1::NodeState& message);
 void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
                google::protobuf::RepeatedPtrField<v1::LabelProbability>& messages);
+void SetTracks(const std::vector<core::TrackAnswer>& tracks, int top_count,
+               google::protobuf::RepeatedPtrField<v1::TrackLabels>& messages);
 void SetHorizons(const std::vector<core::PredictedFrame>& frames,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages);
 

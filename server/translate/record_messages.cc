@@ -1,9 +1,11 @@
 #include "server/translate/record_messages.h"
 
 #include <cmath>
-#include <map>
 #include <numeric>
+#include <utility>
+#include <vector>
 
+#include "core/model/label_units.h"
 #include "core/motion/error.h"
 #include "core/motion/glitches.h"
 #include "motiondb/v1/clip.pb.h"
@@ -11,6 +13,7 @@
 #include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/store.pb.h"
 #include "server/engine/model_lifecycle.h"
+#include "server/translate/annotation_message.h"
 #include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
@@ -184,16 +187,18 @@ void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,
   message.set_model_version(record.version);
   message.set_calibration(CalibrationOf(*snapshot));
 
-  std::map<std::string, v1::LabelSummary> labels;
-  for (const core::ModelClip& clip : snapshot->model.clips()) {
-    v1::LabelSummary& label = labels[clip.label];
-    label.set_clip_count(label.clip_count() + 1);
-    label.set_frame_count(label.frame_count() + clip.frame_count);
+  const core::LabelUnits& units = *snapshot->model.action_units();
+  std::vector<v1::LabelSummary> labels(units.labels().size());
+  std::vector<int> last_clip(labels.size(), -1);
+  for (const core::LabelUnit& unit : units.all()) {
+    if (unit.label < 0) continue;
+    v1::LabelSummary& label = labels[unit.label];
+    label.set_label(units.labels()[unit.label]);
+    label.set_clip_count(label.clip_count() + (last_clip[unit.label] == unit.clip ? 0 : 1));
+    label.set_frame_count(label.frame_count() + unit.frame_count);
+    last_clip[unit.label] = unit.clip;
   }
-  for (auto& [name, label] : labels) {
-    label.set_label(name);
-    *message.add_labels() = label;
-  }
+  for (v1::LabelSummary& label : labels) *message.add_labels() = std::move(label);
 }
 
 namespace {
@@ -227,6 +232,7 @@ void SetClip(const storage::ClipRecord& record, v1::Clip& message) {
   message.set_representation_version(record.representation_version);
   message.set_derive_error(text::ValidUtf8(record.derive_error));
   message.set_take(text::ValidUtf8(record.given.take));
+  SetAnnotations(record, message);
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
 }
 

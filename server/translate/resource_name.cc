@@ -44,6 +44,17 @@ absl::StatusOr<MemberId> ParseMember(std::string_view field, std::string_view pa
   return MemberId{ids[0], ids[1]};
 }
 
+// Parses a number from 1; `expected`: for the error.
+template <typename Number>
+absl::StatusOr<Number> ParseNumber(std::string_view field, std::string_view expected,
+                                   const std::string& text) {
+  const char* const end = text.data() + text.size();
+  Number number = 0;
+  const auto [parsed, error] = std::from_chars(text.data(), end, number);
+  if (error == std::errc() && parsed == end && number >= 1) return number;
+  return FieldViolation(field, "expected {}, got '{}'", expected, text);
+}
+
 bool IsLowerOrDigit(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
 
 bool IsClipIdCharacter(char c) {
@@ -61,6 +72,21 @@ absl::StatusOr<MemberId> ParseClipName(std::string_view field, std::string_view 
   return ParseMember(field, "databases/{database}/clips/{clip}", name);
 }
 
+absl::StatusOr<SegmentId> ParseSegmentName(std::string_view field, std::string_view name) {
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto ids,
+      ParseIds(field, "databases/{database}/clips/{clip}/segments/{segment}", name));
+  return SegmentId{ids[0], ids[1], ids[2]};
+}
+
+absl::StatusOr<EditId> ParseEditName(std::string_view field, std::string_view name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto ids,
+                            ParseIds(field, "databases/{database}/edits/{edit}", name));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto id,
+                            ParseNumber<std::int64_t>(field, "a number from 1", ids[1]));
+  return EditId{ids[0], id};
+}
+
 absl::StatusOr<MemberId> ParseSkeletonName(std::string_view field, std::string_view name) {
   return ParseMember(field, "databases/{database}/skeletons/{skeleton}", name);
 }
@@ -69,12 +95,8 @@ absl::StatusOr<ModelId> ParseModelName(std::string_view field, std::string_view 
   MOTIONDB_ASSIGN_OR_RETURN(const auto ids,
                             ParseIds(field, "databases/{database}/models/{version}", name));
   if (ids[1] == "current") return ModelId{ids[0], 0};
-  const char* end = ids[1].data() + ids[1].size();
-  int version = 0;
-  const auto [parsed, error] = std::from_chars(ids[1].data(), end, version);
-  if (error != std::errc() || parsed != end || version < 1) {
-    return FieldViolation(field, "expected a version from 1, or 'current', got '{}'", ids[1]);
-  }
+  MOTIONDB_ASSIGN_OR_RETURN(const int version,
+                            ParseNumber<int>(field, "a version from 1, or 'current'", ids[1]));
   return ModelId{ids[0], version};
 }
 
@@ -94,6 +116,15 @@ std::string DatabaseName(std::string_view database) {
 
 std::string ClipName(std::string_view database, std::string_view clip) {
   return fmt::format("databases/{}/clips/{}", database, clip);
+}
+
+std::string SegmentName(std::string_view database, std::string_view clip,
+                        std::string_view segment) {
+  return fmt::format("databases/{}/clips/{}/segments/{}", database, clip, segment);
+}
+
+std::string EditName(std::string_view database, std::int64_t edit) {
+  return fmt::format("databases/{}/edits/{}", database, edit);
 }
 
 std::string SkeletonName(std::string_view database, std::string_view skeleton) {

@@ -2,6 +2,7 @@
 // return INVALID_ARGUMENT with the field and the expected form.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,17 @@ struct MemberId {
   std::string id;
 };
 
+struct SegmentId {
+  std::string database;
+  std::string clip;
+  std::string id;
+};
+
+struct EditId {
+  std::string database;
+  std::int64_t id = 0;
+};
+
 struct ModelId {
   std::string database;
   int version = 0;  // 0: `current`
@@ -22,6 +34,8 @@ struct ModelId {
 
 absl::StatusOr<std::string> ParseDatabaseName(std::string_view field, std::string_view name);
 absl::StatusOr<MemberId> ParseClipName(std::string_view field, std::string_view name);
+absl::StatusOr<SegmentId> ParseSegmentName(std::string_view field, std::string_view name);
+absl::StatusOr<EditId> ParseEditName(std::string_view field, std::string_view name);
 absl::StatusOr<MemberId> ParseSkeletonName(std::string_view field, std::string_view name);
 absl::StatusOr<ModelId> ParseModelName(std::string_view field, std::string_view name);
 absl::StatusOr<std::string> ParseOperationName(std::string_view field, std::string_view name);
@@ -29,6 +43,8 @@ absl::StatusOr<std::string> ParseTokenName(std::string_view field, std::string_v
 
 std::string DatabaseName(std::string_view database);
 std::string ClipName(std::string_view database, std::string_view clip);
+std::string SegmentName(std::string_view database, std::string_view clip, std::string_view segment);
+std::string EditName(std::string_view database, std::int64_t edit);
 std::string SkeletonName(std::string_view database, std::string_view skeleton);
 std::string ModelName(std::string_view database, int version);
 std::string CurrentModelName(std::string_view database);

@@ -141,7 +141,7 @@ void LifecycleSimulation::Ingest() {
   clip.file_bytes = WriteBvh({.frame_count = 20, .phase = 0.1 * clip_count_++});
   const auto stored = [&](const storage::ClipRecord& record) {
     clips_.insert(record.id);
-    lifecycle().RequestExtension();
+    lifecycle().RequestUpdate();
     const auto operation = lifecycle().Request();
     REQUIRE(operation.ok());
     Ask(*operation);

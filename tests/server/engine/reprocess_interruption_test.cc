@@ -140,7 +140,7 @@ TEST_CASE("Reprocess: a model never mixes representation versions", "[server][re
   const auto extend = [&] {
     REQUIRE(live->WithSharedUse(server::DeletionPolicy::kRefuse,
                                 [&] {
-                                  live->lifecycle().RequestExtension();
+                                  live->lifecycle().RequestUpdate();
                                   return absl::OkStatus();
                                 })
                 .ok());

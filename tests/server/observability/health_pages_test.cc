@@ -45,7 +45,7 @@ TEST_CASE("HealthPages: metrics have Prometheus' text format and the sizes of th
   const auto started = server::StartHealthServer("127.0.0.1:0", monitor);
   REQUIRE(started.ok());
   CHECK_THAT(Fetch((*started)->address(), "/metrics"),
-             Contains("Content-Type: text/plain; version=0.0.4; charset=utf-8\r\n") &&
+             Contains("content-type: text/plain; version=0.0.4; charset=utf-8\r\n") &&
                  Contains("motiondb_store_bytes 1000\n") && Contains("motiondb_log_bytes 300\n") &&
                  Contains("motiondb_damages 0\n") && Contains("motiondb_serving 0\n"));
 }

@@ -41,8 +41,8 @@ TEST_CASE("HttpServer: pages, with their status", "[server][http]") {
   CHECK(server->is_loopback());
   const std::string page = Fetch(server->address(), "/page");
   CHECK_THAT(page, StartsWith("HTTP/1.1 200 OK\r\n") && EndsWith("\r\n\r\nmade\n") &&
-                       Contains("Content-Type: text/plain; charset=utf-8\r\n") &&
-                       Contains("Content-Length: 5\r\n"));
+                       Contains("content-type: text/plain; charset=utf-8\r\n") &&
+                       Contains("content-length: 5\r\n"));
   CHECK_THAT(Fetch(server->address(), "/now?a=b"), EndsWith("\r\n\r\nnow\n"));
   CHECK_THAT(Fetch(server->address(), "/busy"), StartsWith("HTTP/1.1 503 ") && EndsWith("busy\n"));
 }
@@ -50,20 +50,24 @@ TEST_CASE("HttpServer: pages, with their status", "[server][http]") {
 TEST_CASE("HttpServer: HEAD returns only the headers of GET", "[server][http]") {
   const auto server = StartServer();
   CHECK_THAT(Fetch(server->address(), "/page", "HEAD"), StartsWith("HTTP/1.1 200 OK\r\n") &&
-                                                            Contains("Content-Length: 5\r\n") &&
+                                                            Contains("content-length: 5\r\n") &&
                                                             EndsWith("\r\n\r\n"));
 }
 
 TEST_CASE("HttpServer: unknown pages and methods are refused", "[server][http]") {
   const auto server = StartServer();
-  for (const char* target : {"/", "/pag", "/page/", "/page/../page", "/%70age", "page", "*"}) {
+  for (const char* target : {"/", "/pag", "/page/", "/page/../page", "/%70age"}) {
     CAPTURE(target);
     CHECK_THAT(Fetch(server->address(), target), StartsWith("HTTP/1.1 404 "));
+  }
+  for (const char* target : {"page", "*"}) {
+    CAPTURE(target);
+    CHECK_THAT(Fetch(server->address(), target), StartsWith("HTTP/1.1 400 "));
   }
   for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS"}) {
     CAPTURE(method);
     CHECK_THAT(Fetch(server->address(), "/page", method),
-               StartsWith("HTTP/1.1 405 ") && Contains("Allow: GET, HEAD\r\n"));
+               StartsWith("HTTP/1.1 405 ") && Contains("allow: GET, HEAD\r\n"));
   }
 }
 
@@ -73,7 +77,7 @@ TEST_CASE("HttpServer: connections are kept alive, and requests may be pipelined
   HttpClient client(server->address());
   client.Send(kGet);
   const std::string first = client.Read(Fetch(server->address(), "/page").size() -
-                                        std::string("Connection: close\r\n").size());
+                                        std::string("connection: close\r\n").size());
   CHECK_THAT(first, EndsWith("made\n"));
   client.Send(kGet + kGet + kLastGet);
   const std::string responses = client.ReadToEnd();
@@ -99,13 +103,13 @@ TEST_CASE("HttpServer: garbage and oversized requests are refused", "[server][ht
   };
   CHECK_THAT(answer("\x16\x03\x01\x02\x00\x01\xfc\x03\x03 hello over TLS\r\n\r\n"),
              StartsWith("HTTP/1.1 400 "));
-  CHECK_THAT(answer("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"), StartsWith("HTTP/1.1 400 "));
+  CHECK_THAT(answer("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"), StartsWith("HTTP/1.1 505 "));
   CHECK_THAT(answer("GET /page HTTP/1.1\r\nno colon\r\n\r\n"), StartsWith("HTTP/1.1 400 "));
   CHECK_THAT(answer("GET /page HTTP/1.1\r\nContent-Length: -1\r\n\r\n"),
              StartsWith("HTTP/1.1 400 "));
   CHECK_THAT(answer("GET /page HTTP/1.1\r\nX: " + std::string(9000, 'x') + "\r\n\r\n"),
              StartsWith("HTTP/1.1 431 "));
-  CHECK_THAT(answer("POST /page HTTP/1.1\r\nContent-Length: 1000000\r\n\r\n"),
+  CHECK_THAT(answer("GET /page HTTP/1.1\r\nHost: a\r\nContent-Length: 1000000\r\n\r\n"),
              StartsWith("HTTP/1.1 413 "));
   CHECK_THAT(Fetch(server->address(), "/page"), StartsWith("HTTP/1.1 200"));
 }
@@ -122,7 +126,7 @@ TEST_CASE("HttpServer: a client that sends slowly is disconnected", "[server][ht
       std::this_thread::sleep_for(milliseconds(20));
     }
   });
-  CHECK(slow.ReadToEnd() == "");
+  CHECK_THAT(slow.ReadToEnd(), StartsWith("HTTP/1.1 408 "));
   CHECK(silent.ReadToEnd() == "");
   stop = true;
   trickle.join();

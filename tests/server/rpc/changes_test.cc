@@ -33,7 +33,7 @@ TEST_CASE("Role table: a change of the store never waits for the writer on a thr
     changes += is_change ? 1 : 0;
     urgent += rule.urgent ? 1 : 0;
   }
-  CHECK(changes == 9);
+  CHECK(changes == 15);
   CHECK(urgent == 2);
   // A stolen token must not stay valid while other changes wait.
   CHECK(server::FindCallRule("AccessService.RevokeToken")->urgent);

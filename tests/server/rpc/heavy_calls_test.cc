@@ -31,7 +31,7 @@ TEST_CASE("RequestClass: the heavy and streaming calls exist in the protocol", "
     maintenance += rule.pool == server::Pool::kMaintenance ? 1 : 0;
   }
   CHECK(heavy == 7);
-  CHECK(streams == 1);
+  CHECK(streams == 2);
   CHECK(maintenance == 3);
 }
 

@@ -8,6 +8,7 @@
 #include "motiondb/v1/database.pb.h"
 #include "motiondb/v1/model.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
+#include "tests/server/rpc/refusal.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests::operation_service_test {

@@ -8,6 +8,7 @@
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "tests/server/rpc/plan_support.h"
+#include "tests/server/rpc/refusal.h"
 #include "tests/support/humanoid_bvh.h"
 
 namespace motiondb::tests::plan_request_test {

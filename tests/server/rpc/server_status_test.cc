@@ -126,7 +126,8 @@ TEST_CASE("Health: services that add are NOT_SERVING while the store refuses add
   await_health(kNotServing);
   for (const std::string& service : ListOwnServices(server)) {
     CAPTURE(service);
-    const bool adds = service.ends_with(".ClipService") || service.ends_with(".DatabaseService");
+    const bool adds = service.ends_with(".ClipService") || service.ends_with(".DatabaseService") ||
+                      service.ends_with(".EditService") || service.ends_with(".SegmentService");
     CHECK(CheckHealth(server, service).bytes == (adds ? kNotServing : kServing));
   }
   CHECK_THAT(StatusOf(server).not_ready_reason(),

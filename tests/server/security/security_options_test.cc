@@ -35,6 +35,19 @@ std::string Message(const SecurityOptions& options, const char* listen = kLoopba
   return std::string(plan.status().message());
 }
 
+TEST_CASE("Security: the most exposed address decides", "[security]") {
+  const Files files;
+  const SecurityOptions encrypted = files.Encrypted();
+  const auto open = DeriveSecurityConfig(encrypted, kLoopback, kLoopback);
+  REQUIRE(open.ok());
+  CHECK(!open->access.authentication);
+  const auto exposed = DeriveSecurityConfig(encrypted, kLoopback, kEverywhere);
+  REQUIRE(exposed.ok());
+  CHECK(exposed->access.authentication);
+  CHECK(DeriveSecurityConfig(encrypted, kEverywhere, kLoopback)->access.authentication);
+  CHECK(absl::IsFailedPrecondition(DeriveSecurityConfig({}, kLoopback, kEverywhere).status()));
+}
+
 TEST_CASE("Security: loopback addresses", "[security]") {
   for (const char* own : {"127.0.0.1:1", "127.9.9.9:1", "localhost:1", "[::1]:1"}) {
     INFO(own);

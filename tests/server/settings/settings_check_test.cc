@@ -182,6 +182,26 @@ TEST_CASE("Settings: HTTP and gRPC need different addresses", "[settings]") {
   CHECK(!refused("127.0.0.1:50051", ""));
 }
 
+TEST_CASE("Settings: the HTTP API needs its own address", "[settings]") {
+  const TemporaryDirectory directory;
+  const auto problems = [&](const std::string& web, const std::string& http) {
+    SettingsReader reader;
+    REQUIRE(ReadSettings(reader, {"--store", directory / "a.db", "--listen", "127.0.0.1:7",
+                                  "--web-listen", web, "--http-listen", http})
+                .empty());
+    std::string messages;
+    for (const absl::Status& problem : reader.CheckForStart()) {
+      messages += std::string(problem.message()) + "\n";
+    }
+    return messages;
+  };
+  CHECK(problems("none", "none").empty());
+  CHECK(problems("127.0.0.1:8", "127.0.0.1:9").empty());
+  CHECK_THAT(problems("127.0.0.1:7", "none"), Catch::StartsWith("listen and web-listen: "));
+  CHECK_THAT(problems("127.0.0.1:9464", ""), Catch::StartsWith("web-listen and http-listen: "));
+  CHECK_THAT(problems("0.0.0.0:8", "none"), Catch::Contains("0.0.0.0:8 is reachable"));
+}
+
 // Returns the settings of the sample file, also those commented out. Each must have a comment
 // directly above.
 std::map<std::string, std::string> SampleSettings() {

@@ -10,6 +10,8 @@
 #include <span>
 #include <string>
 
+#include "server/security/tls.h"
+
 namespace motiondb::server {
 
 class ByteStream {
@@ -26,8 +28,8 @@ class ByteStream {
     std::size_t bytes = 0;
   };
 
-  // Server side of TLS with the settings of `tls`; plain text if it is null.
-  ByteStream(boost::asio::ip::tcp::socket socket, SSL_CTX* tls);
+  // Server side of TLS with the settings of `tls` for `protocol`; plain text if `tls` is null.
+  ByteStream(boost::asio::ip::tcp::socket socket, SSL_CTX* tls, TlsProtocol protocol);
 
   // The first reads include the TLS handshake.
   Result Read(std::span<std::uint8_t> into);

@@ -1,4 +1,4 @@
-#include "server/http2/byte_stream.h"
+#include "server/listen/byte_stream.h"
 
 #include <openssl/err.h>
 #include <openssl/x509.h>
@@ -13,7 +13,7 @@
 namespace motiondb::server {
 namespace {
 
-SSL* MakeTls(SSL_CTX* context, int descriptor) {
+SSL* MakeTls(SSL_CTX* context, TlsProtocol protocol, int descriptor) {
   if (context == nullptr) return nullptr;
   SSL* const tls = SSL_new(context);
   if (tls == nullptr || SSL_set_fd(tls, descriptor) != 1) {
@@ -21,6 +21,7 @@ SSL* MakeTls(SSL_CTX* context, int descriptor) {
     ERR_clear_error();
     throw std::bad_alloc();
   }
+  SetProtocol(*tls, protocol);
   SSL_set_accept_state(tls);
   return tls;
 }
@@ -35,8 +36,8 @@ int AtMostInt(std::size_t size) { return static_cast<int>(std::min<std::size_t>(
 
 }  // namespace
 
-ByteStream::ByteStream(boost::asio::ip::tcp::socket socket, SSL_CTX* tls)
-    : socket_(std::move(socket)), tls_(MakeTls(tls, socket_.native_handle()), SSL_free) {}
+ByteStream::ByteStream(boost::asio::ip::tcp::socket socket, SSL_CTX* tls, TlsProtocol protocol)
+    : socket_(std::move(socket)), tls_(MakeTls(tls, protocol, socket_.native_handle()), SSL_free) {}
 
 ByteStream::Result ByteStream::Read(std::span<std::uint8_t> into) {
   if (tls_ != nullptr) {

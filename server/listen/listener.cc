@@ -1,4 +1,4 @@
-#include "server/http2/listener.h"
+#include "server/listen/listener.h"
 
 #include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
@@ -16,8 +16,7 @@
 
 #include "core/motion/error.h"
 #include "server/engine/thread_pool.h"
-#include "server/observability/listen_on.h"
-#include "server/security/tls.h"
+#include "server/listen/listen_on.h"
 
 namespace motiondb::server {
 namespace {
@@ -26,8 +25,6 @@ using boost::asio::ip::tcp;
 
 constexpr rlim_t kMaxDescriptors = 65'536;
 constexpr int kOtherDescriptors = 64;  // for files of the store, wake-ups of threads, HTTP
-constexpr std::size_t kMaxPerAddress = 1024;
-constexpr unsigned kMaxLoops = 4;
 constexpr std::chrono::milliseconds kAcceptRetry{100};  // if no connection can be accepted
 constexpr int kMaxAcceptedPerTurn = 256;
 constexpr std::chrono::seconds kTick{1};
@@ -61,6 +58,17 @@ std::string PeerOf(const tcp::endpoint& client) {
                                   : fmt::format("ipv4:{}:{}", address, client.port());
 }
 
+// Returns the oldest connection without a call; null if there is none.
+std::shared_ptr<ClientConnection> OldestIdle(
+    const std::multiset<std::shared_ptr<ClientConnection>>& connections) {
+  std::shared_ptr<ClientConnection> oldest;
+  for (const auto& connection : connections) {
+    if (connection == nullptr || connection->calls() > 0) continue;
+    if (oldest == nullptr || connection->began() < oldest->began()) oldest = connection;
+  }
+  return oldest;
+}
+
 }  // namespace
 
 void RaiseDescriptorLimit() {
@@ -70,11 +78,12 @@ void RaiseDescriptorLimit() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& listen, const Tls* tls,
-                                                          std::unique_ptr<CallBridge> bridge,
+absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& listen,
+                                                          const ListenerOptions& options,
+                                                          MakeConnection make,
                                                           ConnectionMeter& meter) {
   std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to sockets that the client has closed
-  std::unique_ptr<Listener> listener(new Listener(tls, std::move(bridge), meter));
+  std::unique_ptr<Listener> listener(new Listener(options, std::move(make), meter));
   MOTIONDB_RETURN_IF_ERROR(listener->Listen(listen));
   for (Acceptor& acceptor : listener->acceptors_) listener->Await(acceptor);
   for (const auto& loop : listener->loops_) {
@@ -84,18 +93,18 @@ absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& lis
   return listener;
 }
 
-Listener::Listener(const Tls* tls, std::unique_ptr<CallBridge> bridge, ConnectionMeter& meter)
-    : tls_(tls),
-      bridge_(std::move(bridge)),
+Listener::Listener(const ListenerOptions& options, MakeConnection make, ConnectionMeter& meter)
+    : options_(options),
+      make_(std::move(make)),
       meter_(meter),
       max_descriptors_(MaxDescriptors()),
-      loops_(MakeLoops()),
+      loops_(MakeLoops(options.threads)),
       accept_retry_(loops_.front()->context),
       warnings_(1, kWarningInterval) {}
 
-std::vector<std::unique_ptr<Listener::Loop>> Listener::MakeLoops() {
+std::vector<std::unique_ptr<Listener::Loop>> Listener::MakeLoops(unsigned threads) {
   std::vector<std::unique_ptr<Loop>> loops(
-      std::clamp(std::thread::hardware_concurrency(), 1U, kMaxLoops));
+      std::clamp(std::thread::hardware_concurrency(), 1U, threads));
   for (auto& loop : loops) loop = std::make_unique<Loop>();
   return loops;
 }
@@ -169,7 +178,7 @@ void Listener::Admit(int descriptor, const tcp::endpoint& client) {
   const std::string address = AttemptSource(client.address().to_string());
   // The kernel assigns the lowest free number, so at least `descriptor` descriptors are in use.
   const char* refusal = descriptor >= max_descriptors_ ? "too many descriptors" : nullptr;
-  if (refusal == nullptr && !MakeRoom(address)) refusal = "too many connections of its address";
+  if (refusal == nullptr && !MakeRoom(address)) refusal = "too many connections";
   if (refusal != nullptr) {
     close(descriptor);
     ++meter_.refused;
@@ -177,49 +186,68 @@ void Listener::Admit(int descriptor, const tcp::endpoint& client) {
     return spdlog::warn(
         "connections are refused: reason='{}' peer={} descriptors={} connections_per_address={}; "
         "the process may open more files with ulimit -n or LimitNOFILE",
-        refusal, client.address().to_string(), max_descriptors_, kMaxPerAddress);
+        refusal, client.address().to_string(), max_descriptors_, options_.connections_per_address);
   }
   const int on = 1;
   setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
   Loop& loop = *loops_[next_loop_++ % loops_.size()];
+  if (loops_.size() == 1) return Begin(loop, descriptor, client);  // this thread
   boost::asio::post(loop.context,
                     [this, &loop, descriptor, client] { Begin(loop, descriptor, client); });
 }
 
-// Counts a new connection of the address. At the limit it closes the oldest one without a call;
-// false if all have calls.
+// Counts a new connection of the address. At a limit it closes another one; false if all have
+// calls.
 bool Listener::MakeRoom(const std::string& address) {
   const storage::MutexLock lock(mutex_);
-  auto& connections = by_address_[address];
-  if (connections.size() >= kMaxPerAddress) {
-    std::shared_ptr<Connection> oldest;
-    for (const auto& connection : connections) {
-      if (connection == nullptr || connection->calls() > 0) continue;
-      if (oldest == nullptr || connection->began() < oldest->began()) oldest = connection;
-    }
-    if (oldest == nullptr) return false;
-    connections.erase(connections.find(oldest));
-    oldest->Post([oldest] { oldest->Close(); });
+  const auto found = by_address_.find(address);
+  const std::size_t here = found == by_address_.end() ? 0 : found->second.size();
+  if (here >= options_.connections_per_address && !CloseOne(&address)) return false;
+  if (count_ >= options_.connections && !CloseOne(nullptr)) return false;
+  by_address_[address].insert(nullptr);
+  ++count_;
+  return true;
+}
+
+// Closes the oldest connection without a call, of this address, or, if it is null, of the address
+// with the most connections. False if all have calls.
+bool Listener::CloseOne(const std::string* address) {
+  std::shared_ptr<ClientConnection> oldest;
+  Connections* chosen = nullptr;
+  const auto consider = [&](Connections& connections) {
+    if (chosen != nullptr && connections.size() <= chosen->size()) return;
+    const auto idle = OldestIdle(connections);
+    if (idle == nullptr) return;
+    oldest = idle;
+    chosen = &connections;
+  };
+  if (address != nullptr) {
+    consider(by_address_[*address]);
+  } else {
+    for (auto& [owner, connections] : by_address_) consider(connections);
   }
-  connections.insert(nullptr);
+  if (oldest == nullptr) return false;
+  chosen->erase(chosen->find(oldest));
+  --count_;
+  oldest->Post([oldest] { oldest->Close(); });
   return true;
 }
 
 void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
   const std::string address = AttemptSource(client.address().to_string());
-  std::shared_ptr<Connection> connection;
+  std::shared_ptr<ClientConnection> connection;
   if (closing_) {
     close(descriptor);
     return;
   }
   try {
     tcp::socket socket(loop.context, client.protocol(), descriptor);
-    const auto context = tls_ == nullptr ? nullptr : tls_->context();
-    connection = std::make_shared<Connection>(
-        *bridge_, loop.context, ByteStream(std::move(socket), context.get()), PeerOf(client),
-        [this, &loop, address](const auto& closed, const std::string& reason) {
-          Forget(loop, closed, address, reason);
-        });
+    const auto context = options_.tls == nullptr ? nullptr : options_.tls->context();
+    connection = make_(
+        {loop.context, ByteStream(std::move(socket), context.get(), options_.protocol),
+         PeerOf(client), [this, &loop, address](const auto& closed, const std::string& reason) {
+           Forget(loop, closed, address, reason);
+         }});
   } catch (const std::bad_alloc&) {
     return Forget(loop, nullptr, address, "out of memory");
   }
@@ -234,7 +262,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
   connection->Start();
 }
 
-void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
+void Listener::Forget(Loop& loop, const std::shared_ptr<ClientConnection>& connection,
                       const std::string& address, const std::string& reason) {
   meter_.open -= static_cast<int>(loop.connections.erase(connection));
   if (closing_ && loop.connections.empty()) loop.ticks.cancel();
@@ -243,7 +271,10 @@ void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
     const auto found = by_address_.find(address);
     if (found == by_address_.end()) return;
     const auto entry = found->second.find(connection);
-    if (entry != found->second.end()) found->second.erase(entry);
+    if (entry != found->second.end()) {
+      found->second.erase(entry);
+      --count_;
+    }
     if (found->second.empty()) by_address_.erase(found);
   }
   if (reason.empty()) return;
@@ -257,7 +288,7 @@ void Listener::Tick(Loop& loop) {
   loop.ticks.expires_after(kTick);
   loop.ticks.async_wait([this, &loop](const auto& error) {
     if (error || closing_) return;  // Close uses this timer for its grace time
-    const auto now = Connection::Clock::now();
+    const auto now = ClientConnection::Clock::now();
     const auto connections = loop.connections;  // a copy: Tick may remove a connection
     for (const auto& connection : connections) connection->Tick(now);
     Tick(loop);

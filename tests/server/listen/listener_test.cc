@@ -1,5 +1,5 @@
 // The listener with real clients: addresses, invalid HTTP/2, limits.
-#include "server/http2/listener.h"
+#include "server/listen/listener.h"
 
 #include <grpcpp/create_channel.h>
 
@@ -73,9 +73,9 @@ constexpr char kListDatabases[] = "/motiondb.v1.DatabaseService/ListDatabases";
 TEST_CASE("Listener: an address in use is reported", "[server][http2]") {
   TestServer server;
   server::ConnectionMeter meter;
-  const auto again = server::Listener::Start(server.server().address(), nullptr, nullptr, meter);
+  const auto again = server::Listener::Start(server.server().address(), {}, nullptr, meter);
   CHECK(absl::IsUnavailable(again.status()));
-  CHECK(absl::IsNotFound(server::Listener::Start("192.0.2.1:0", nullptr, nullptr, meter).status()));
+  CHECK(absl::IsNotFound(server::Listener::Start("192.0.2.1:0", {}, nullptr, meter).status()));
 }
 
 TEST_CASE("Listener: closing while its timers expire ends all threads", "[server][http2]") {
@@ -84,7 +84,7 @@ TEST_CASE("Listener: closing while its timers expire ends all threads", "[server
   std::vector<std::pair<std::unique_ptr<server::Listener>, std::chrono::steady_clock::time_point>>
       listeners;
   for (int i = 0; i < 100; ++i) {
-    auto listener = server::Listener::Start("127.0.0.1:0", nullptr, nullptr, meter);
+    auto listener = server::Listener::Start("127.0.0.1:0", {}, nullptr, meter);
     REQUIRE(listener.ok());
     listeners.emplace_back(*std::move(listener), std::chrono::steady_clock::now());
   }

@@ -1,4 +1,4 @@
-#include "server/observability/listen_on.h"
+#include "server/listen/listen_on.h"
 
 #include <boost/asio/io_context.hpp>
 #include <cerrno>

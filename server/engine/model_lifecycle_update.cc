@@ -1,0 +1,132 @@
+// Updates of the model of a ModelLifecycle by stored clips and labels, without a build.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "core/model/relabel.h"
+#include "core/motion/error.h"
+#include "server/engine/clip_labels.h"
+#include "server/engine/compute_model.h"
+#include "server/engine/live_database.h"
+#include "server/engine/model_lifecycle.h"
+#include "server/engine/operation_registry.h"
+#include "server/engine/stored_clips.h"
+#include "server/engine/without_exceptions.h"
+
+namespace motiondb::server {
+namespace {
+
+// Models of older versions have no calibration for unknown motion. Models without a metric cannot
+// have one.
+bool LacksCalibration(const core::Model& model) {
+  return !model.metric().empty() &&
+         model.recognition().unknown == core::UnknownCalibration::kNotFitted;
+}
+
+}  // namespace
+
+void ModelLifecycle::UpdateCurrent() {
+  const absl::Status status = WithoutExceptions<absl::Status>([&] {
+    return Replace(
+        [&](ServedModel current) { return Updated(std::move(current), core::RunSerially); });
+  });
+  if (!status.ok() && !absl::IsNotFound(status)) {
+    spdlog::error("database '{}': update failed, changes wait for the next build: {}",
+                  database_.name(), status.ToString());
+  }
+}
+
+absl::StatusOr<ServedModel> ModelLifecycle::Updated(ServedModel served,
+                                                    const core::ParallelFor& parallel) {
+  if (served.snapshot == nullptr) return served;
+  // First: a clip that is extended by has its current labels.
+  MOTIONDB_ASSIGN_OR_RETURN(served.snapshot, Extended(std::move(served.snapshot), parallel));
+  auto relabelled = Relabelled(served);
+  // Corrupt annotations do not keep clips out of the model.
+  return absl::IsDataLoss(relabelled.status()) ? served : relabelled;
+}
+
+absl::StatusOr<ServedModel> ModelLifecycle::Relabelled(ServedModel served) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, database_.Catalog(services_.store.annotations()));
+  if (catalog->revision() == served.revision) return served;
+  auto labels = StoredLabels(served.snapshot->model, *catalog);
+  if (labels) {
+    MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
+                              core::WithLabels(served.snapshot->model, *std::move(labels)));
+    Snapshot snapshot{served.snapshot->record, std::move(model), served.snapshot->calibration,
+                      served.snapshot->is_extensible};
+    snapshot.has_fitted_labels = false;
+    served.snapshot = std::make_shared<const Snapshot>(std::move(snapshot));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const bool has_changes, HasChangesOf(*served.snapshot, *catalog));
+  if (has_changes) served.revision = std::max(served.revision, catalog->revision());
+  return served;
+}
+
+absl::StatusOr<bool> ModelLifecycle::HasChangesOf(const Snapshot& snapshot,
+                                                  const Catalog& catalog) {
+  // A model that is not stored cannot be compared with the stored states of its clips.
+  if (!snapshot.is_stored()) return false;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
+                            services_.store.FindModelStaleness(database_.name()));
+  if (staleness.removed > 0 || staleness.outdated > 0 || staleness.to_derive > 0) return false;
+  const auto unreadable = database_.unreadable();
+  return std::ranges::all_of(staleness.missing, [&](const std::string& clip) {
+    // A clip that was stored after the catalog was read belongs to a later revision.
+    return unreadable.contains(clip) || catalog.Find(clip) == nullptr;
+  });
+}
+
+absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapshot,
+                                                         const core::ParallelFor& parallel) {
+  const std::string& name = database_.name();
+  const bool is_extensible =
+      snapshot != nullptr && snapshot->is_extensible && snapshot->model.tree().has_planes();
+  if (!is_extensible) return snapshot;
+  MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(name));
+  // A model with outdated states of clips is not extended: it will be replaced.
+  if (snapshot->is_stored() && staleness.outdated > 0) return snapshot;
+  std::set<std::string> known;
+  for (const auto& [clip, problem] : database_.unreadable()) known.insert(clip);
+  if (!snapshot->is_stored()) {
+    for (const core::ModelClip& clip : snapshot->model.clips()) known.insert(clip.id);
+  }
+  std::erase_if(staleness.missing, [&](const std::string& clip) { return known.contains(clip); });
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto extended,
+      ModelWithClips(services_.store, database_, snapshot->model, staleness.missing, parallel));
+  if (!extended) return snapshot;
+  const double drift = extended->drift.stale;
+  auto record = snapshot->is_stored()
+                    ? services_.store.PutExtension(name, extended->model, drift)
+                    : ModelRecordOf(name, snapshot->record.version, extended->model, drift);
+  if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
+  if (!record.ok()) return record.status();
+  spdlog::info(
+      "database '{}': model {} extended: added_clips={} added_frames={:.2f} % "
+      "frames_in_nodes_to_split={:.2f} %",
+      name, record->version, record->added_clip_count, 100 * extended->drift.added, 100 * drift);
+  return std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(extended->model),
+                                                   snapshot->calibration, snapshot->is_extensible,
+                                                   snapshot->has_fitted_labels});
+}
+
+absl::StatusOr<bool> ModelLifecycle::HasAllClips(const Snapshot& snapshot) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
+                            services_.store.FindModelStaleness(database_.name()));
+  bool has_all = snapshot.is_stored() && !HasDrifted(snapshot.record) && staleness.removed == 0 &&
+                 staleness.outdated == 0 && staleness.to_derive == 0 &&
+                 !LacksCalibration(snapshot.model);
+  // Clips may be missing because they are corrupt. If one of them is readable, the model is out of
+  // date, and the build reads the rest.
+  for (auto clip = staleness.missing.begin(); has_all && clip != staleness.missing.end(); ++clip) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto read,
+                              ReadInputs(services_.store, database_, {*clip}, core::RunSerially));
+    has_all = read.empty();
+  }
+  return has_all;
+}
+
+}  // namespace motiondb::server

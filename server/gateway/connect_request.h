@@ -1,0 +1,41 @@
+// The head of a request of the Connect protocol, and the responses that depend on it alone.
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+#include <grpcpp/support/status.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "server/http1/http_exchange.h"
+
+namespace motiondb::server {
+
+struct ConnectRequest {
+  const google::protobuf::MethodDescriptor* method = nullptr;
+  bool is_json = true;      // otherwise proto
+  bool streams = false;     // messages in envelopes; the response has HTTP status 200
+  bool sends_gzip = false;  // the body, or envelopes that say so
+  bool accepts_gzip = false;
+  std::optional<std::chrono::milliseconds> timeout;
+  std::string authorization;  // empty if absent
+  std::string request_id;     // of the client; empty if absent
+
+  std::string content_type() const;
+};
+
+// Returns the request, or the response that refuses it: an unknown path (404), no POST (405), a
+// content type that the method does not have (415), or a Connect error.
+std::variant<ConnectRequest, HttpResponse> ParseConnectRequest(const HttpRequest& request);
+
+// Returns the response with an error: JSON, or for a stream its last envelope. `http_status`: of a
+// unary response; 0: that of the code.
+HttpResponse ErrorResponse(const ConnectRequest& request, const grpc::Status& error,
+                           unsigned http_status = 0);
+
+// Returns the head of a stream's response.
+HttpResponse StreamHead(const ConnectRequest& request);
+
+}  // namespace motiondb::server

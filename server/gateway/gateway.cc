@@ -1,0 +1,114 @@
+#include "server/gateway/gateway.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "core/motion/error.h"
+#include "server/engine/thread_pool.h"
+#include "server/gateway/connect_request.h"
+#include "server/gateway/gateway_call.h"
+#include "server/gateway/openapi_json.h"
+#include "server/http1/http1_connection.h"
+#include "server/listen/listener.h"
+#include "server/security/security_options.h"
+#include "server/translate/status_mapping.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr int kConverterThreads = 2;
+constexpr char kOpenApiPath[] = "/openapi.json";
+
+// Returns whether the Host header names this machine by an address or as localhost.
+bool IsLocalHost(std::string_view host) {
+  if (host.starts_with('[')) return true;  // an IPv6 address
+  host = host.substr(0, host.rfind(':'));
+  return host == "localhost" || host.find_first_not_of("0123456789.") == std::string_view::npos;
+}
+
+Http1Limits LimitsOf(const CallLimitOptions& options) {
+  Http1Limits limits;
+  limits.head_bytes = 2 * static_cast<std::uint32_t>(options.max_metadata_bytes);
+  limits.body_time = std::min(options.idle_limit, options.first_idle_limit);
+  limits.answer_time = options.idle_limit;
+  limits.idle_time = std::min(options.idle_limit, limits.idle_time);
+  limits.bytes_per_millisecond = kMinBytesPerMillisecond;
+  return limits;
+}
+
+}  // namespace
+
+class ConnectHandler final : public HttpHandler {
+ public:
+  // `is_open`: only this machine can reach the port, and calls need no token.
+  ConnectHandler(std::shared_ptr<CallBridge> bridge, ThreadPool& converters, bool is_open)
+      : bridge_(std::move(bridge)), converters_(converters), is_open_(is_open) {}
+
+  std::variant<HttpResponse, std::shared_ptr<HttpWork>> Accept(
+      const HttpRequest& request, const std::shared_ptr<HttpExchange>& exchange) override {
+    if (request.path == kOpenApiPath) return OpenApi(request);
+    auto parsed = ParseConnectRequest(request);
+    if (auto* const refusal = std::get_if<HttpResponse>(&parsed)) return std::move(*refusal);
+    auto& connect = std::get<ConnectRequest>(parsed);
+    // A page of another site whose name resolves to this machine (DNS rebinding) could use the
+    // rights of everyone here. A browser sends the name in Host.
+    if (is_open_ && !IsLocalHost(request.Find("host"))) {
+      return ErrorResponse(
+          connect, ToGrpcStatus(absl::PermissionDeniedError(
+                       "without authentication, expected an address or localhost in Host; set "
+                       "--authentication token")));
+    }
+    return std::make_shared<GatewayCall>(*bridge_, converters_, std::move(connect), exchange);
+  }
+
+  const CallLimitOptions& options() const { return bridge_->limits.options(); }
+
+ private:
+  static HttpResponse OpenApi(const HttpRequest& request) {
+    if (request.method == "GET" || request.method == "HEAD") {
+      return {.fields = {{"content-type", "application/json"}}, .body = std::string(kOpenApiJson)};
+    }
+    return {.status = 405,
+            .fields = {{"content-type", "text/plain; charset=utf-8"}, {"allow", "GET, HEAD"}},
+            .body = "expected GET\n"};
+  }
+
+  const std::shared_ptr<CallBridge> bridge_;
+  ThreadPool& converters_;
+  const bool is_open_;
+};
+
+Gateway::Gateway() : converters_(std::make_unique<ThreadPool>(kConverterThreads)) {}
+
+Gateway::~Gateway() = default;
+
+absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(const std::string& listen, const Tls* tls,
+                                                        bool authenticates,
+                                                        std::shared_ptr<CallBridge> bridge,
+                                                        ConnectionMeter& meter) {
+  std::unique_ptr<Gateway> gateway(new Gateway());
+  gateway->handler_ = std::make_unique<ConnectHandler>(std::move(bridge), *gateway->converters_,
+                                                       !authenticates && IsLoopback(listen));
+  const auto make = [&handler = *gateway->handler_,
+                     limits = LimitsOf(gateway->handler_->options())](AcceptedClient client) {
+    return std::make_shared<Http1Connection>(handler, limits, std::move(client));
+  };
+  auto listener =
+      Listener::Start(listen, {.tls = tls, .protocol = TlsProtocol::kHttp1}, make, meter);
+  if (!listener.ok()) {
+    return absl::Status(listener.status().code(),
+                        fmt::format("web-listen: {}", std::string(listener.status().message())));
+  }
+  gateway->listener_ = *std::move(listener);
+  gateway->address_ =
+      fmt::format("{}:{}", listen.substr(0, listen.rfind(':')), gateway->listener_->port());
+  return gateway;
+}
+
+void Gateway::Close(std::chrono::milliseconds grace) { listener_->Close(grace); }
+
+}  // namespace motiondb::server

@@ -1,0 +1,101 @@
+// Responses of an HTTP/1.1 connection: heads, chunks, and their output.
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <boost/beast/http/status.hpp>
+#include <ctime>
+#include <span>
+#include <utility>
+
+#include "server/http1/http1_connection.h"
+
+namespace motiondb::server {
+
+void Http1Connection::Respond(HttpResponse response) {
+  if (closed_ || closing_since_.has_value()) return;
+  WriteHead(response, response.body.size());
+  if (request_.method != "HEAD") Write(response.body);
+  EndRequest();
+}
+
+void Http1Connection::BeginStream(HttpResponse head) {
+  if (closed_ || closing_since_.has_value()) return;
+  chunked_ = parser_->get().version() == 11;
+  keeps_alive_ = keeps_alive_ && chunked_;
+  WriteHead(head, std::nullopt);
+}
+
+void Http1Connection::SendPart(std::string part) {
+  if (closed_ || closing_since_.has_value() || part.empty()) return;
+  if (chunked_) Write(fmt::format("{:x}\r\n", part.size()));
+  Write(part);
+  if (chunked_) Write("\r\n");
+  tell_sent_ = true;
+}
+
+void Http1Connection::EndStream() {
+  if (closed_ || closing_since_.has_value()) return;
+  if (chunked_) Write("0\r\n\r\n");
+  EndRequest();
+}
+
+void Http1Connection::WriteHead(const HttpResponse& response,
+                                std::optional<std::size_t> body_bytes) {
+  keeps_alive_ = keeps_alive_ && !draining_ && !input_ended_.has_value();
+  const auto reason =
+      boost::beast::http::obsolete_reason(static_cast<boost::beast::http::status>(response.status));
+  std::string head = fmt::format(
+      "HTTP/1.1 {} {}\r\nserver: motiondbd\r\ndate: {:%a, %d %b %Y %T} GMT\r\n", response.status,
+      std::string_view(reason.data(), reason.size()), fmt::gmtime(std::time(nullptr)));
+  for (const auto& [name, value] : response.fields) head += fmt::format("{}: {}\r\n", name, value);
+  if (body_bytes.has_value()) {
+    head += fmt::format("content-length: {}\r\n", *body_bytes);
+  } else if (chunked_) {
+    head += "transfer-encoding: chunked\r\n";
+  }
+  const bool is_http11 = parser_.has_value() && parser_->get().version() == 11;
+  if (!keeps_alive_) head += "connection: close\r\n";
+  if (keeps_alive_ && !is_http11) head += "connection: keep-alive\r\n";
+  Write(head + "\r\n");
+}
+
+void Http1Connection::Write(std::string_view bytes) {
+  output_ += bytes;
+  output_latest_ = Clock::now() + limits_.answer_time +
+                   std::chrono::milliseconds(static_cast<std::int64_t>(output_.size() - written_) /
+                                             limits_.bytes_per_millisecond);
+}
+
+void Http1Connection::EndRequest() {
+  answered_ = std::move(work_);
+  parser_.reset();
+  request_ = {};
+  tell_sent_ = false;
+  phase_ = Phase::kHead;
+  calls_ = 0;
+  waiting_since_ = Clock::now();
+  if (!keeps_alive_) leaves_ = true;
+}
+
+// Writes output until the socket accepts no more. False: the connection has ended.
+bool Http1Connection::WriteSome() {
+  while (!output_.empty()) {
+    const std::span<const std::uint8_t> rest(
+        reinterpret_cast<const std::uint8_t*>(output_.data()) + written_,
+        output_.size() - written_);
+    const ByteStream::Result result = bytes_.Write(rest);
+    if (result.outcome == ByteStream::Outcome::kClosed) return false;
+    if (result.outcome != ByteStream::Outcome::kDone) return true;
+    written_ += result.bytes;
+    if (written_ < output_.size()) continue;
+    std::string().swap(output_);
+    written_ = 0;
+    output_latest_ = Clock::time_point::max();
+    answered_.reset();
+    const auto work = work_;  // a copy: it may end the request
+    if (std::exchange(tell_sent_, false) && work != nullptr) work->OnSent();
+  }
+  return true;
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,35 @@
+// Converts requested changes of clips and segments to changes of the store.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "storage/annotation_store.h"
+
+namespace motiondb::v1 {
+class BatchEditRequest;
+class CreateSegmentRequest;
+class DeleteSegmentRequest;
+class UpdateClipRequest;
+class UpdateSegmentRequest;
+}  // namespace motiondb::v1
+
+namespace motiondb::server {
+
+// A change and the database of its object.
+struct RequestedChange {
+  std::string database;
+  storage::Change change;
+};
+
+// INVALID_ARGUMENT with the field for a name, value, etag or mask that is not valid.
+absl::StatusOr<RequestedChange> ParseChange(const v1::UpdateClipRequest& request);
+absl::StatusOr<RequestedChange> ParseChange(const v1::CreateSegmentRequest& request);
+absl::StatusOr<RequestedChange> ParseChange(const v1::UpdateSegmentRequest& request);
+absl::StatusOr<RequestedChange> ParseChange(const v1::DeleteSegmentRequest& request);
+// Also if a change is of another database than `database`.
+absl::StatusOr<std::vector<storage::Change>> ParseChanges(const std::string& database,
+                                                          const v1::BatchEditRequest& request);
+
+}  // namespace motiondb::server

@@ -62,9 +62,20 @@ MOTIONDB_UNARY(DeleteMapping, marker_sets, MarkerSetService)
 
 MOTIONDB_UNARY(GetClip, clips, ClipService)
 MOTIONDB_UNARY(ListClips, clips, ClipService)
+MOTIONDB_UNARY(UpdateClip, clips, ClipService)
+MOTIONDB_UNARY(SearchClips, clips, ClipService)
 MOTIONDB_UNARY(DeleteClip, clips, ClipService)
 MOTIONDB_UNARY(GetSkeleton, clips, ClipService)
 MOTIONDB_UNARY(ListSkeletons, clips, ClipService)
+
+MOTIONDB_UNARY(CreateSegment, segments, SegmentService)
+MOTIONDB_UNARY(UpdateSegment, segments, SegmentService)
+MOTIONDB_UNARY(DeleteSegment, segments, SegmentService)
+MOTIONDB_UNARY(ListSegments, segments, SegmentService)
+
+MOTIONDB_UNARY(BatchEdit, edits, EditService)
+MOTIONDB_UNARY(ListEdits, edits, EditService)
+MOTIONDB_UNARY(UndoEdit, edits, EditService)
 
 MOTIONDB_UNARY(GetModel, models, ModelService)
 MOTIONDB_UNARY(ListModels, models, ModelService)
@@ -150,6 +161,13 @@ absl::StatusOr<std::vector<v1::Clip>> Client::AllClips(const v1::ListClipsReques
   return AllPages<v1::Clip>(
       request, [&](const auto& page) { return ListClips(page, options); },
       [](auto& page) { return page.mutable_clips(); });
+}
+
+absl::StatusOr<std::vector<v1::Segment>> Client::AllSegments(const v1::ListSegmentsRequest& request,
+                                                             CallOptions options) const {
+  return AllPages<v1::Segment>(
+      request, [&](const auto& page) { return ListSegments(page, options); },
+      [](auto& page) { return page.mutable_segments(); });
 }
 
 absl::StatusOr<std::vector<v1::Skeleton>> Client::AllSkeletons(

@@ -54,6 +54,8 @@ Client::Connection::Connection(ClientOptions options)
       databases(v1::DatabaseService::NewStub(channel_)),
       marker_sets(v1::MarkerSetService::NewStub(channel_)),
       clips(v1::ClipService::NewStub(channel_)),
+      segments(v1::SegmentService::NewStub(channel_)),
+      edits(v1::EditService::NewStub(channel_)),
       models(v1::ModelService::NewStub(channel_)),
       queries(v1::QueryService::NewStub(channel_)),
       observations(v1::ObserveService::NewStub(channel_)),

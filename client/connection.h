@@ -7,11 +7,13 @@
 #include <motiondb/v1/access.grpc.pb.h>
 #include <motiondb/v1/clip.grpc.pb.h>
 #include <motiondb/v1/database.grpc.pb.h>
+#include <motiondb/v1/edit.grpc.pb.h>
 #include <motiondb/v1/marker_set.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
 #include <motiondb/v1/observe.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
+#include <motiondb/v1/segment.grpc.pb.h>
 #include <motiondb/v1/server.grpc.pb.h>
 #include <motiondb/v1/store.grpc.pb.h>
 
@@ -116,6 +118,8 @@ class Client::Connection {
   const std::unique_ptr<v1::DatabaseService::Stub> databases;
   const std::unique_ptr<v1::MarkerSetService::Stub> marker_sets;
   const std::unique_ptr<v1::ClipService::Stub> clips;
+  const std::unique_ptr<v1::SegmentService::Stub> segments;
+  const std::unique_ptr<v1::EditService::Stub> edits;
   const std::unique_ptr<v1::ModelService::Stub> models;
   const std::unique_ptr<v1::QueryService::Stub> queries;
   const std::unique_ptr<v1::ObserveService::Stub> observations;

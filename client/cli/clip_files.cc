@@ -7,12 +7,14 @@
 #include <array>
 #include <cstddef>
 #include <iterator>
-#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "absl/status/status.h"
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_split.h"
 #include "client/cli/file_formats.h"
+#include "client/tab_separated.h"
 
 namespace motiondb::client {
 
@@ -79,17 +81,11 @@ absl::Status AddMatches(const std::string& pattern, std::vector<fs::path>& files
   return absl::OkStatus();
 }
 
-// Removes and returns the text before the separator, or all of it.
-std::string_view TakeUntil(std::string_view& text, char separator) {
-  const size_t end = text.find(separator);
-  const std::string_view taken = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  return taken;
-}
-
 std::string_view TakeLine(std::string_view& text) {
-  std::string_view line = TakeUntil(text, '\n');
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  const std::size_t end = text.find('\n');
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
   return line;
 }
 
@@ -134,72 +130,73 @@ absl::StatusOr<std::vector<fs::path>> FilesOfArguments(const std::vector<std::st
 
 namespace {
 
-std::vector<std::string> Cells(std::string_view line) {
-  std::vector<std::string> cells;
-  const auto count = std::count(line.begin(), line.end(), '\t') + 1;
-  cells.reserve(static_cast<std::size_t>(count));
-  for (auto i = 0; i < count; ++i) cells.emplace_back(TakeUntil(line, '\t'));
-  return cells;
+constexpr std::string_view kFieldPrefix = "field.";
+
+void SetTags(std::string_view cell, ClipEntry& entry) {
+  for (const auto tag : absl::StrSplit(std::string(cell), ',', absl::SkipWhitespace())) {
+    entry.details.tags.emplace_back(absl::StripAsciiWhitespace(tag));
+  }
 }
 
-// Indices of the known columns.
-struct Columns {
-  size_t count = 0;
-  std::optional<size_t> path, label, subject, skeleton;
-};
-
-Columns ReadHeader(const std::vector<std::string>& titles) {
-  Columns columns;
-  columns.count = titles.size();
-  for (size_t i = 0; i < titles.size(); ++i) {
-    if (titles[i] == "path") columns.path = i;
-    if (titles[i] == "label") columns.label = i;
-    if (titles[i] == "subject") columns.subject = i;
-    if (titles[i] == "skeleton") columns.skeleton = i;
+// Sets a cell that is not empty; columns without a meaning are ignored.
+absl::Status SetCell(const std::filesystem::path& folder, std::string_view column,
+                     std::string_view cell, ClipEntry& entry) {
+  if (cell.empty()) return absl::OkStatus();
+  if (column == "path") {
+    entry.path = folder / cell;
+  } else if (column == "label") {
+    entry.label = cell;
+  } else if (column == "subject") {
+    entry.subject = cell;
+  } else if (column == "skeleton") {
+    entry.skeleton = folder / cell;
+  } else if (column == "title") {
+    entry.details.title = cell;
+  } else if (column == "description") {
+    entry.details.description = cell;
+  } else if (column == "tags") {
+    SetTags(cell, entry);
+  } else if (column.starts_with(kFieldPrefix)) {
+    auto field = ParseField(std::string(column.substr(kFieldPrefix.size())), std::string(cell));
+    if (!field.ok()) return field.status();
+    entry.details.fields.insert_or_assign(field->first, std::move(field->second));
   }
-  return columns;
+  return absl::OkStatus();
+}
+
+bool HasColumn(const std::vector<std::string_view>& columns, std::string_view name) {
+  return std::ranges::find(columns, name) != columns.end();
 }
 
 }  // namespace
 
 absl::StatusOr<std::vector<ClipEntry>> ParseClipList(const std::filesystem::path& list_file,
                                                      std::string_view text) {
-  // Spreadsheet programs write a byte-order mark.
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-  const std::filesystem::path folder = list_file.parent_path();
-  std::optional<Columns> columns;
-  std::vector<ClipEntry> entries;
-  for (int line_number = 1; !text.empty(); ++line_number) {
-    const std::string_view line = TakeLine(text);
-    if (line.find_first_not_of(" \t") == std::string_view::npos || line.front() == '#') continue;
-    const auto error = [&](const std::string& what) {
-      return absl::InvalidArgumentError(
-          fmt::format("{}:{}: {}", list_file.string(), line_number, what));
-    };
-    const std::vector<std::string> cells = Cells(line);
-    if (!columns) {
-      columns = ReadHeader(cells);
-      if (!columns->path || !columns->label) {
-        return error("expected a header line that names the columns, with \"path\" and \"label\"");
-      }
-      continue;
-    }
-    if (cells.size() != columns->count) {
-      return error(fmt::format("expected {} cells, separated by tabs, found {}", columns->count,
-                               cells.size()));
-    }
-    const auto cell = [&](const std::optional<size_t>& column) {
-      return column ? cells[*column] : std::string();
-    };
-    if (cell(columns->path).empty()) return error("expected a path, found nothing");
-    ClipEntry entry{folder / cell(columns->path), cell(columns->label), cell(columns->subject), {}};
-    if (!cell(columns->skeleton).empty()) entry.skeleton = folder / cell(columns->skeleton);
-    entries.push_back(std::move(entry));
-  }
-  if (!columns) {
+  TabSeparated lines(list_file.string(), text);
+  std::vector<std::string_view> columns, cells;
+  if (!lines.Next(columns)) {
     return absl::InvalidArgumentError(
         fmt::format("{}:1: expected a header line with \"path\" and \"label\", found nothing",
                     list_file.string()));
+  }
+  if (!HasColumn(columns, "path") || !HasColumn(columns, "label")) {
+    return lines.Error(
+        "expected a header line that names the columns, with \"path\" and \"label\"");
+  }
+  const std::filesystem::path folder = list_file.parent_path();
+  std::vector<ClipEntry> entries;
+  while (lines.Next(cells)) {
+    absl::Status status = lines.CheckCellCount(columns.size(), cells.size());
+    ClipEntry entry;
+    for (std::size_t i = 0; i < columns.size() && status.ok(); ++i) {
+      const absl::Status set = SetCell(folder, columns[i], cells[i], entry);
+      if (!set.ok()) {
+        status = lines.Error(fmt::format("{}: {}", columns[i], std::string(set.message())));
+      }
+    }
+    if (status.ok() && entry.path.empty()) status = lines.Error("expected a path, found nothing");
+    if (!status.ok()) return status;
+    entries.push_back(std::move(entry));
   }
   return entries;
 }

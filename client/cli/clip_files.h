@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/cli/annotate/clip_edit.h"
 
 namespace motiondb::client {
 
@@ -17,6 +18,7 @@ struct ClipEntry {
   std::string label;
   std::string subject;
   std::filesystem::path skeleton;
+  ClipEdit details;  // title, description, tags and fields, which the clip gets after its ingest
 };
 
 // Returns the files that arguments name, in the order of the arguments. An argument is:
@@ -31,9 +33,10 @@ absl::StatusOr<std::vector<std::filesystem::path>> FilesOfArguments(
     const std::vector<std::string>& arguments, std::istream& input);
 
 // Parses a list: tab-separated, with a header line that names the columns. Columns `path` and
-// `label`, optionally `subject` and `skeleton`, in any order; others are ignored. Blank lines and
-// lines that begin with '#' are ignored. Paths are relative to the list file. INVALID_ARGUMENT
-// names the file, the line and what was expected.
+// `label`, optionally `subject`, `skeleton`, `title`, `description`, `tags` (separated by commas)
+// and `field.NAME` or `field.NAME:TYPE` (ParseField), in any order; others are ignored. An empty
+// cell sets nothing. Blank lines and lines that begin with '#' are ignored. Paths are relative to
+// the list file. INVALID_ARGUMENT names the file, the line and what was expected.
 absl::StatusOr<std::vector<ClipEntry>> ParseClipList(const std::filesystem::path& list_file,
                                                      std::string_view text);
 

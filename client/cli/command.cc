@@ -65,6 +65,18 @@ CLI::Validator TimeInSeconds() {
                     [](double number) { return number >= 0.001; });
 }
 
+CLI::Option* AddFilterOption(CLI::App& command, std::string& filter, const char* description) {
+  return command.add_option("--filter", filter, description)
+      ->type_name("F")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return text.find_first_not_of(' ') == std::string::npos
+                       ? "expected a filter, as in 'label = \"walk\"', got nothing"
+                       : "";
+          },
+          ""));
+}
+
 absl::Status CheckFormat(const GlobalOptions& global, const std::string& command,
                          bool prints_table) {
   if (global.csv && global.json) return UsageError("--csv excludes --json");

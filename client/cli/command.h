@@ -92,6 +92,9 @@ CLI::Validator PositiveNumber();
 CLI::Validator NonNegativeNumber();
 CLI::Validator TimeInSeconds();  // at least 0.001
 
+// Adds --filter, an expression of docs/filters.md. An empty one is refused: it would select all.
+CLI::Option* AddFilterOption(CLI::App& command, std::string& filter, const char* description);
+
 void AddAuditCommand(CommandLine line);
 void AddBackupCommand(CommandLine line);
 void AddConvertCommand(CommandLine line);
@@ -102,6 +105,7 @@ void AddDumpCommand(CommandLine line);
 void AddEstimateCommand(CommandLine line);
 void AddExportCommand(CommandLine line);
 void AddFormatsCommand(CommandLine line);
+void AddHistoryCommand(CommandLine line);
 void AddInspectCommand(CommandLine line);
 void AddIngestCommand(CommandLine line);
 void AddListCommand(CommandLine line);
@@ -114,9 +118,14 @@ void AddPredictCommand(CommandLine line);
 void AddRecognizeCommand(CommandLine line);
 void AddReprocessCommand(CommandLine line);
 void AddRestoreCommand(CommandLine line);
+void AddSearchCommand(CommandLine line);
+void AddSegmentsCommand(CommandLine line);
 void AddStatusCommand(CommandLine line);
 void AddTokenCommand(CommandLine line);
+void AddUndoCommand(CommandLine line);
+void AddUpdateCommand(CommandLine line);
 void AddVerifyCommand(CommandLine line);
+void AddWatchCommand(CommandLine line);
 
 // Appends advice to an error about connecting; returns other errors unchanged.
 absl::Status WithConnectAdvice(const absl::Status& status, const GlobalOptions& global);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "absl/strings/str_join.h"
 #include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
@@ -109,6 +110,8 @@ Table ClipsTable(const std::vector<v1::Clip>& clips) {
   Table table({{"CLIP"},
                {"LABEL"},
                {"SUBJECT"},
+               {"TITLE"},
+               {"TAGS"},
                {"FRAMES", Align::kRight},
                {"LENGTH (s)", Align::kRight},
                {"LEG (m)", Align::kRight},
@@ -117,9 +120,10 @@ Table ClipsTable(const std::vector<v1::Clip>& clips) {
                {"GLITCHES"}});
   for (const v1::Clip& clip : clips) {
     table.AddRow({ShortName(clip.name()), LabelOrPlaceholder(clip.label()), clip.subject(),
-                  clip.frame_count(), Cell(clip.duration_seconds(), 2),
-                  Cell(clip.leg_length_m(), 3), fmt::format("{:g}", clip.source_frame_rate_hz()),
-                  clip.file_name(), clip.glitches()});
+                  clip.title(), absl::StrJoin(clip.tags(), ", "), clip.frame_count(),
+                  Cell(clip.duration_seconds(), 2), Cell(clip.leg_length_m(), 3),
+                  fmt::format("{:g}", clip.source_frame_rate_hz()), clip.file_name(),
+                  clip.glitches()});
   }
   return table;
 }

@@ -1,9 +1,13 @@
-// motiondb dump DB DIR and motiondb export DB CLIP.
+// motiondb dump DB DIR and motiondb export DB [CLIP].
 
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/model.pb.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <iterator>
+#include <map>
+#include <string>
 
 #include "client/cli/command.h"
 #include "client/cli/file_formats.h"
@@ -11,6 +15,7 @@
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
 #include "client/cli/terminal/progress_bar.h"
+#include "client/output_file.h"
 
 namespace motiondb::client {
 
@@ -63,13 +68,14 @@ void AddDumpCommand(CommandLine line) {
                           "motiondb dump walks model/", Declare, Run);
 }
 
-// motiondb export DB CLIP
+// motiondb export DB [CLIP]
 
 namespace {
 
 struct ExportOptions {
   std::string database;
   std::string clip;
+  std::string filter;
   std::string as;
   std::string directory = ".";
   bool force = false;
@@ -77,7 +83,13 @@ struct ExportOptions {
 
 void Declare(CLI::App& command, ExportOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
-  command.add_option("CLIP", options.clip, "Clip, as in `motiondb list DB`")->required();
+  CLI::Option* const clip =
+      command.add_option("CLIP", options.clip, "Clip, as in `motiondb list DB`");
+  AddFilterOption(
+      command, options.filter,
+      "Export all clips that pass this filter, instead of CLIP; clips with the same file "
+      "name are in folders with their names")
+      ->excludes(clip);
   command
       .add_option(
           "--as", options.as,
@@ -90,9 +102,65 @@ void Declare(CLI::App& command, ExportOptions& options) {
   command.add_flag("--force", options.force, "Replace files with different contents");
 }
 
+// Exports a clip and prints its files.
+absl::Status ExportOne(const Client& client, const v1::ExportClipRequest& request,
+                       const std::filesystem::path& directory, bool force, bool json) {
+  const auto header = client.ExportClipToDirectory(request, directory, force);
+  if (!header.ok()) return header.status();
+  if (json) {
+    PrintJson(*header);
+    return absl::OkStatus();
+  }
+  PrintLine("{}", (directory / header->file_name()).string());
+  for (const std::string& note : header->notes()) PrintLine("note:  {}", note);
+  if (!header->skeleton_file_name().empty()) {
+    PrintLine("{}", (directory / header->skeleton_file_name()).string());
+  }
+  return absl::OkStatus();
+}
+
+// Exports the clips that pass the filter. A clip that cannot be exported does not stop the others.
+absl::Status ExportFiltered(const Client& client, const ExportOptions& options,
+                            v1::ExportClipRequest request, bool json) {
+  v1::ListClipsRequest list;
+  list.set_parent(DatabaseName(options.database));
+  list.set_page_size(1000);
+  list.set_filter(options.filter);
+  const auto clips = client.AllClips(list);
+  if (!clips.ok()) return clips.status();
+  if (clips->empty() && !json) PrintLine("exported no clips: none passes the filter");
+  std::map<std::string, int> clips_of_file;
+  for (const v1::Clip& clip : *clips) ++clips_of_file[clip.file_name()];
+  std::size_t failed = 0;
+  ProgressBar bar;
+  for (std::size_t i = 0; i < clips->size(); ++i) {
+    const v1::Clip& clip = (*clips)[i];
+    bar.Show(static_cast<double>(i) / static_cast<double>(clips->size()), ShortName(clip.name()));
+    std::filesystem::path directory = options.directory;
+    const bool is_own_file = request.format() == v1::FILE_FORMAT_UNSPECIFIED;
+    if (is_own_file && clips_of_file[clip.file_name()] > 1) {
+      const absl::Status named = CheckFileNameFromServer(ShortName(clip.name()));
+      if (!named.ok()) return named;
+      directory /= ShortName(clip.name());
+    }
+    request.set_name(clip.name());
+    bar.Clear();
+    const absl::Status status = ExportOne(client, request, directory, options.force, json);
+    if (status.ok()) continue;
+    if (absl::IsUnavailable(status)) return status;
+    ++failed;
+    PrintError(fmt::format("{}: {}", ShortName(clip.name()), std::string(status.message())));
+  }
+  if (failed == 0) return absl::OkStatus();
+  return absl::UnknownError(
+      fmt::format("{} of {} not exported", failed, CountText(std::ssize(*clips), "clip")));
+}
+
 absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
+  if (options.clip.empty() == options.filter.empty()) {
+    return UsageError("expected either CLIP or --filter");
+  }
   v1::ExportClipRequest request;
-  request.set_name(ClipName(options.database, options.clip));
   if (!options.as.empty()) {
     const auto format = WrittenFormat(options.as);
     if (!format.ok()) {
@@ -102,27 +170,18 @@ absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
   }
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
-  const auto header = client->ExportClipToDirectory(request, options.directory, options.force);
-  if (!header.ok()) return header.status();
-  if (global.json) {
-    PrintJson(*header);
-    return absl::OkStatus();
-  }
-  const std::filesystem::path directory(options.directory);
-  PrintLine("{}", (directory / header->file_name()).string());
-  for (const std::string& note : header->notes()) PrintLine("note:  {}", note);
-  if (!header->skeleton_file_name().empty()) {
-    PrintLine("{}", (directory / header->skeleton_file_name()).string());
-  }
-  return absl::OkStatus();
+  if (options.clip.empty()) return ExportFiltered(*client, options, request, global.json);
+  request.set_name(ClipName(options.database, options.clip));
+  return ExportOne(*client, request, options.directory, options.force, global.json);
 }
 
 }  // namespace
 
 void AddExportCommand(CommandLine line) {
   AddCommand<ExportOptions>(
-      line, "export", "Write a clip's original files, or another format",
-      "motiondb export walks 07_01 --out recordings/\nmotiondb export walks 07_01 --as glb",
+      line, "export", "Write the files of a clip, or of all that pass a filter, or another format",
+      "motiondb export walks 07_01 --out recordings/\nmotiondb export walks 07_01 --as glb\n"
+      "motiondb export walks --filter 'tags:\"selected\"' --out selected/",
       Declare, Run);
 }
 

@@ -54,7 +54,7 @@ absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
     const absl::Status sent = SendTakes(clip, [&](const v1::IngestClipResponse& response) {
       // Without lines between the files, the bar stays, so that it does not flicker.
       if (bar && settings_.output != IngestOutput::kSummary) bar->Clear();
-      Accept(response);
+      Accept(response, clip.details);
     });
     if (sent.ok()) continue;
     failures_.push_back(FailureOf(clip.path, sent.message()));
@@ -123,11 +123,14 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
   return client_.IngestFile(header, clip.path, *skeleton);
 }
 
-void IngestBatch::Accept(const v1::IngestClipResponse& response) {
+void IngestBatch::Accept(const v1::IngestClipResponse& response, const ClipEdit& details) {
   ++accepted_clips_;
   accepted_frames_ += response.clip().frame_count();
   // The last requested rebuild includes all clips, because it begins after they were stored.
   operation_ = response.operation().name();
+  if (!details.empty() && !settings_.dry_run) {
+    *details_.emplace_back().mutable_update_clip() = UpdateRequest(details, response.clip());
+  }
   if (settings_.output == IngestOutput::kJson) PrintJson(response);
   if (settings_.output == IngestOutput::kEachClip) PrintText(IngestedClipText(response.clip()));
   // Flushes, so that a script knows the stored clips even if this process is killed.
@@ -148,7 +151,20 @@ std::string IngestBatch::AmountText() const {
                      CountText(accepted_frames_, "frame"));
 }
 
+absl::Status IngestBatch::SendDetails() {
+  SentChanges sent;
+  const absl::Status status = SendChanges(
+      client_, database_, details_,
+      [&](std::size_t i) { return ShortName(details_[i].update_clip().clip().name()); }, sent);
+  if (status.ok()) return status;
+  return WithMessage(status,
+                     fmt::format("{}; {}, without all of their titles, descriptions, tags and "
+                                 "fields; set them with `motiondb update`",
+                                 std::string(status.message()), StoredText()));
+}
+
 absl::Status IngestBatch::Finish() {
+  if (const absl::Status status = SendDetails(); !status.ok()) return status;
   if (settings_.dry_run) {
     if (accepted_clips_ > 0 && PrintsSummary()) PrintLine("would store {}", AmountText());
     return absl::OkStatus();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/cli/annotate/batch_edit.h"
 #include "client/cli/clip_files.h"
 #include "client/cli/file_failures.h"
 #include "client/cli/motion_file.h"
@@ -49,7 +50,8 @@ class IngestBatch {
   // single files.
   absl::Status Send(const std::vector<ClipEntry>& clips);
 
-  // Waits for the new model, if anything was stored, and prints a summary.
+  // Sets titles, descriptions, tags and fields of the stored clips, waits for the new model, if
+  // anything was stored, and prints a summary.
   absl::Status Finish();
 
   // Files that were not accepted.
@@ -63,7 +65,8 @@ class IngestBatch {
   // error.
   absl::Status SendTakes(const ClipEntry& clip,
                          const std::function<void(const v1::IngestClipResponse&)>& accept) const;
-  void Accept(const v1::IngestClipResponse& response);
+  void Accept(const v1::IngestClipResponse& response, const ClipEdit& details);
+  absl::Status SendDetails();
   absl::Status AwaitModel() const;
   bool PrintsSummary() const;
   std::string StoredText() const;  // "2 clips are stored"
@@ -75,6 +78,7 @@ class IngestBatch {
   int accepted_clips_ = 0;
   std::int64_t accepted_frames_ = 0;
   std::string operation_;
+  std::vector<v1::Change> details_;  // of the stored clips
   std::vector<FileFailure> failures_;
 };
 

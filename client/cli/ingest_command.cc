@@ -50,7 +50,8 @@ void DeclareClips(CLI::App& command, IngestOptions& options) {
       .add_option(
           "--list", options.list,
           "Tab-separated list of clips with a header line: columns path and label, optionally "
-          "subject and skeleton; paths are relative to the list")
+          "subject, skeleton, title, description, tags (separated by commas) and field.NAME; paths "
+          "are relative to the list")
       ->type_name("FILE.tsv");
   CLI::Option* label =
       command.add_option("--label", options.label, "Label of clips without a label in the list")
@@ -114,7 +115,7 @@ absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
   const auto files = FilesOfArguments(options.files, std::cin);
   if (!files.ok()) return files.status();
   std::vector<ClipEntry> clips;
-  for (const auto& file : *files) clips.push_back({file, "", "", {}});
+  for (const auto& file : *files) clips.emplace_back().path = file;
   if (!options.list.empty()) {
     const auto text = ReadFileBytes(options.list);
     if (!text.ok()) return text.status();

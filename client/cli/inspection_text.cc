@@ -62,6 +62,26 @@ void AppendList(const Json& inspection, const char* field, const char* title, st
   }
 }
 
+// All takes of a file with several, and which one the rest is about.
+std::string TakesText(const Json& inspection) {
+  constexpr std::size_t kMaxShown = 100;
+  const Json& takes = inspection.at("takes");
+  const auto count = inspection.value("take_count", takes.size());
+  std::string text;
+  std::size_t shown = 0;
+  for (const Json& take : takes) {
+    if (++shown > kMaxShown) break;
+    const std::string name = take.value("name", "");
+    const bool is_inspected = name == inspection.value("take", "");
+    text += fmt::format("{:<12}{}  {}{}\n", shown == 1 ? "takes" : "", name,
+                        NumberText(take.at("duration_seconds"), "s"),
+                        is_inspected ? "  (inspected here; --take chooses another)" : "");
+  }
+  const std::size_t listed = std::min(kMaxShown, takes.size());
+  if (count > listed) text += fmt::format("{:<12}and {} more\n", "", count - listed);
+  return text;
+}
+
 std::string SuggestedOptions(const Json& inspection) {
   std::string text;
   for (const Json& option : inspection.at("suggested_options")) {
@@ -89,6 +109,7 @@ std::string InspectionText(const Json& inspection) {
   }
   std::string text =
       fmt::format("{}\n\n{}\n", inspection.value("file", ""), PointsText(inspection));
+  text += TakesText(inspection);
   text += fmt::format("unit        {:.4g} m ({})\n", inspection.value("metres_per_unit", 0.0),
                       inspection.value("metres_per_unit_is", ""));
   text += fmt::format("up axis     {} ({})\n", inspection.value("up_axis", ""),

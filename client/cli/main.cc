@@ -81,6 +81,12 @@ void AddCommands(CommandLine line) {
   AddFormatsCommand(line);
   AddListCommand(line);
   AddDescribeCommand(line);
+  AddSearchCommand(line);
+  AddUpdateCommand(line);
+  AddSegmentsCommand(line);
+  AddHistoryCommand(line);
+  AddUndoCommand(line);
+  AddWatchCommand(line);
   AddRecognizeCommand(line);
   AddEstimateCommand(line);
   AddPredictCommand(line);
@@ -132,7 +138,8 @@ absl::Status RunChosen(const CLI::App& app, const GlobalOptions& global,
   const absl::Status ended = EndOutput();
   if (status.ok()) status = ended;
   const std::string reason = ErrorReason(status);
-  if (reason == "DATABASE_NOT_FOUND" || reason == "CLIP_NOT_FOUND") {
+  if (reason == "DATABASE_NOT_FOUND" || reason == "CLIP_NOT_FOUND" ||
+      reason == "SEGMENT_NOT_FOUND") {
     const auto client = Connect(global);
     if (client.ok()) return WithNearestName(status, ChosenCommand(app), *client);
   }

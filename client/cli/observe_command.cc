@@ -17,6 +17,7 @@ constexpr double kLineEvery = 0.1;  // seconds of motion; not on a terminal
 
 struct ObserveOptions {
   QueryOptions query;
+  std::string track;
   bool realtime = false;
   double rate_multiplier = 1;
   int frames_per_message = 1;
@@ -27,6 +28,7 @@ struct ObserveOptions {
 
 void Declare(CLI::App& command, ObserveOptions& options) {
   AddQueryOptionsOfOneFile(command, options.query);
+  AddTrackOption(command, options.track);
   CLI::Option* realtime =
       command.add_flag("--realtime", options.realtime,
                        "Send at the frame rate of the motion; else as fast as possible");
@@ -67,6 +69,9 @@ v1::ObserveStart Start(const ObserveOptions& options, const v1::RepresentRequest
     start.set_leg_length_m(options.query.source.leg_length_m);
   }
   start.set_window_seconds(options.window_seconds);
+  start.set_filter(options.query.filter);
+  start.set_track(options.track);
+  start.set_min_revision(options.query.min_revision);
   for (const double horizon : options.horizon_seconds) start.add_horizon_seconds(horizon);
   if (options.query.layer > 0) start.set_layer(options.query.layer);
   if (options.query.floor) start.set_transition_floor(*options.query.floor);

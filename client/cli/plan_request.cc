@@ -12,6 +12,7 @@
 
 #include "client/cli/command.h"
 #include "client/cli/motion_file.h"
+#include "client/cli/query/query_options.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {
@@ -149,6 +150,7 @@ void AddSearchOptions(CLI::App& command, PlanRequestOptions& options) {
   command.add_option("--label", options.labels, "Use only clips with this label; may be repeated")
       ->type_name("L")
       ->allow_extra_args(false);
+  AddSelectionOptions(command, options.filter, options.min_revision);
   command.add_option("--seed", options.seed, "Random seed; equal seeds give equal plans")
       ->type_name("N")
       ->capture_default_str();
@@ -246,6 +248,8 @@ absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& 
   request.mutable_search_timeout()->set_nanos(static_cast<int>(search % 1'000'000'000));
   if (options.layer != 0) request.set_coarse_layer(options.layer);
   for (const std::string& label : options.labels) request.add_labels(label);
+  request.set_filter(options.filter);
+  request.set_min_revision(options.min_revision);
   request.set_seed(options.seed);
   request.set_alternative_count(options.alternatives);
   request.set_ignore_joint_limits(options.ignore_joint_limits);

@@ -26,6 +26,8 @@ struct PlanRequestOptions {
   double search_seconds = 5;
   int layer = 0;
   std::vector<std::string> labels;
+  std::string filter;
+  std::int64_t min_revision = 0;
   std::vector<std::string> discs;     // X,Y,RADIUS
   std::vector<std::string> polygons;  // X,Y,X,Y,X,Y,...
   std::optional<double> clearance_m;

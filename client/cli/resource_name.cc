@@ -1,5 +1,7 @@
 #include "client/cli/resource_name.h"
 
+#include <fmt/format.h>
+
 #include <string_view>
 
 namespace motiondb::client {
@@ -25,6 +27,19 @@ std::string ClipName(const std::string& database, const std::string& given) {
 
 std::string SkeletonName(const std::string& database, const std::string& given) {
   return InDatabase(database, "/skeletons/", given);
+}
+
+absl::StatusOr<std::string> SegmentName(const std::string& database, const std::string& given) {
+  if (given.starts_with("databases/")) return given;
+  const std::size_t slash = given.find('/');
+  if (slash == std::string::npos || slash == 0 || slash + 1 == given.size()) {
+    return absl::InvalidArgumentError(fmt::format("expected CLIP/SEGMENT, got {}", given));
+  }
+  return ClipName(database, given.substr(0, slash)) + "/segments/" + given.substr(slash + 1);
+}
+
+std::string EditName(const std::string& database, const std::string& given) {
+  return InDatabase(database, "/edits/", given);
 }
 
 std::string OperationName(const std::string& given) { return InCollection("operations/", given); }

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "absl/status/statusor.h"
+
 namespace motiondb::client {
 
 // "walks" -> "databases/walks"
@@ -14,6 +16,13 @@ std::string ClipName(const std::string& database, const std::string& given);
 
 // "07" in database "walks" -> "databases/walks/skeletons/07"
 std::string SkeletonName(const std::string& database, const std::string& given);
+
+// "07_01/a" in database "walks" -> "databases/walks/clips/07_01/segments/a". INVALID_ARGUMENT:
+// there is no '/'.
+absl::StatusOr<std::string> SegmentName(const std::string& database, const std::string& given);
+
+// "17" in database "walks" -> "databases/walks/edits/17"
+std::string EditName(const std::string& database, const std::string& given);
 
 // "17" -> "operations/17"
 std::string OperationName(const std::string& given);

@@ -4,10 +4,12 @@
 #include <motiondb/v1/access.grpc.pb.h>
 #include <motiondb/v1/clip.grpc.pb.h>
 #include <motiondb/v1/database.grpc.pb.h>
+#include <motiondb/v1/edit.grpc.pb.h>
 #include <motiondb/v1/marker_set.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
+#include <motiondb/v1/segment.grpc.pb.h>
 #include <motiondb/v1/server.grpc.pb.h>
 
 #include <chrono>
@@ -87,6 +89,7 @@ struct FakeServer::Services {
     MOTIONDB_FAKE_UNARY(ListDatabases)
     MOTIONDB_FAKE_UNARY(DeleteDatabase)
     MOTIONDB_FAKE_UNARY(ReprocessDatabase)
+    MOTIONDB_FAKE_STREAM(WatchDatabase)
     FakeServer& fake;
   };
 
@@ -110,10 +113,29 @@ struct FakeServer::Services {
     }
     MOTIONDB_FAKE_UNARY(GetClip)
     MOTIONDB_FAKE_UNARY(ListClips)
+    MOTIONDB_FAKE_UNARY(UpdateClip)
+    MOTIONDB_FAKE_UNARY(SearchClips)
     MOTIONDB_FAKE_UNARY(DeleteClip)
     MOTIONDB_FAKE_STREAM(ExportClip)
     MOTIONDB_FAKE_UNARY(GetSkeleton)
     MOTIONDB_FAKE_UNARY(ListSkeletons)
+    FakeServer& fake;
+  };
+
+  struct Segments : v1::SegmentService::Service {
+    explicit Segments(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(CreateSegment)
+    MOTIONDB_FAKE_UNARY(UpdateSegment)
+    MOTIONDB_FAKE_UNARY(DeleteSegment)
+    MOTIONDB_FAKE_UNARY(ListSegments)
+    FakeServer& fake;
+  };
+
+  struct Edits : v1::EditService::Service {
+    explicit Edits(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(BatchEdit)
+    MOTIONDB_FAKE_UNARY(ListEdits)
+    MOTIONDB_FAKE_UNARY(UndoEdit)
     FakeServer& fake;
   };
 
@@ -165,6 +187,8 @@ struct FakeServer::Services {
       : databases(fake),
         marker_sets(fake),
         clips(fake),
+        segments(fake),
+        edits(fake),
         models(fake),
         queries(fake),
         operations(fake),
@@ -174,6 +198,8 @@ struct FakeServer::Services {
   Databases databases;
   MarkerSets marker_sets;
   Clips clips;
+  Segments segments;
+  Edits edits;
   Models models;
   Queries queries;
   Operations operations;
@@ -201,6 +227,8 @@ void FakeServer::Listen() {
   builder.RegisterService(&services_->databases);
   builder.RegisterService(&services_->marker_sets);
   builder.RegisterService(&services_->clips);
+  builder.RegisterService(&services_->segments);
+  builder.RegisterService(&services_->edits);
   builder.RegisterService(&services_->models);
   builder.RegisterService(&services_->queries);
   builder.RegisterService(&services_->operations);

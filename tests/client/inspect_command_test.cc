@@ -107,6 +107,28 @@ TEST_CASE("motiondb inspect: bad answers of the import program are errors", "[cl
   }
 }
 
+TEST_CASE("motiondb inspect: the takes of a file", "[client][cli]") {
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", HumanoidBvh(100, 60)).string();
+  auto answer = nlohmann::json::parse(RunInspect({file, "--json"}).out);
+  CHECK(answer.at("takes").empty());
+  answer["take"] = "run";
+  answer["take_count"] = 3;
+  answer["takes"] = {{{"name", "walk"}, {"duration_seconds", 1.5}},
+                     {{"name", "run"}, {"duration_seconds", 2}}};
+  folder.Write("answers", nlohmann::json({{"index", 0}, {"result", answer}}).dump() + "\n");
+  const auto program =
+      folder.Write("import", "#!/bin/sh\ncat > /dev/null\ncat " + (folder / "answers").string());
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  setenv("MOTIONDB_IMPORT", program.c_str(), 1);
+  const auto result = RunInspect({file});
+  unsetenv("MOTIONDB_IMPORT");
+  CHECK(result.exit_code == 0);
+  CHECK_THAT(result.out,
+             Contains("takes       walk  1.5 s\n"
+                      "            run  2 s  (inspected here; --take chooses another)\n"));
+}
+
 TEST_CASE("motiondb inspect: a text in a file is not taken for an option", "[client][cli]") {
   const TemporaryFolder folder;
   std::string pole = kPole;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Eight clients flood the HTTP port: probes must be answered, and memory must stay small.
+"""Eight clients flood an HTTP port: others must be answered, and memory must stay small.
 
     http_flood_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -110,12 +110,35 @@ def resident(pid):
         return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE") / MIB
 
 
+def get_page(port, number):
+    probe = http.client.HTTPConnection("127.0.0.1", port, timeout=10, source_address=(PROBE, 0))
+    probe.request("GET", ("/livez", "/readyz", "/metrics")[number % 3])
+    status = probe.getresponse().status
+    probe.close()
+    return status
+
+
+def list_databases(port, _number):
+    probe = http.client.HTTPConnection("127.0.0.1", port, timeout=10, source_address=(PROBE, 0))
+    probe.request("POST", "/motiondb.v1.DatabaseService/ListDatabases", "{}",
+                  {"Content-Type": "application/json"})
+    status = probe.getresponse().status
+    probe.close()
+    return status
+
+
 class HttpFlood(unittest.TestCase):
     def test_probes_are_answered_while_eight_clients_flood_the_port(self):
+        self.check("--http-listen", lambda server: server.http, get_page)
+
+    def test_calls_are_answered_while_eight_clients_flood_the_api(self):
+        self.check("--web-listen", lambda server: server.web, list_databases)
+
+    def check(self, setting, address, probe):
         with tempfile.TemporaryDirectory() as folder:
-            server = Server(folder + "/motion.db", "--http-listen", "127.0.0.1:0")
+            server = Server(folder + "/motion.db", setting, "127.0.0.1:0")
             self.addCleanup(lambda: server.process.poll() is not None or server.stop())
-            port = int(server.http.rsplit(":", 1)[1])
+            port = int(address(server).rsplit(":", 1)[1])
             before = resident(server.process.pid)
             kinds = [slow_headers, large_headers, many_connections, many_connections, pipelined,
                      many_readers, many_readers, fast]
@@ -128,15 +151,9 @@ class HttpFlood(unittest.TestCase):
                 times, peak = [], 0.0
                 begin = time.monotonic()
                 while time.monotonic() - begin < SECONDS:
-                    page = ("/livez", "/readyz", "/metrics")[len(times) % 3]
                     asked = time.monotonic()
-                    probe = http.client.HTTPConnection("127.0.0.1", port, timeout=10,
-                                                       source_address=(PROBE, 0))
-                    probe.request("GET", page)
-                    status = probe.getresponse().status
-                    probe.close()
+                    self.assertEqual(probe(port, len(times)), 200)
                     times.append(time.monotonic() - asked)
-                    self.assertEqual(status, 200, page)
                     peak = max(peak, resident(server.process.pid))
                     time.sleep(0.01)
             finally:

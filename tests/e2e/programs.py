@@ -21,9 +21,10 @@ MODELS = "/usr/share/assimp/models/BVH"
 
 class Server:
     """motiondbd on its own store file. Optional: more options, a log file, limits of descriptors
-    and address space (bytes), and a cgroup (control_group.py) to start in."""
+    and address space (bytes), a cgroup (control_group.py) to start in, and an address."""
 
-    def __init__(self, store, *options, log=None, descriptors=None, address_space=None, group=None):
+    def __init__(self, store, *options, log=None, descriptors=None, address_space=None, group=None,
+                 address="127.0.0.1:0"):
         def limit():
             if descriptors:
                 resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
@@ -34,15 +35,18 @@ class Server:
 
         level = [] if "--log-level" in options else ["--log-level", "error"]
         self.process = subprocess.Popen(
-            [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", *level, *options],
+            [MOTIONDBD, "--store", store, "--listen", address, *level, *options],
             stdout=subprocess.PIPE, stderr=log, text=True,
             preexec_fn=limit if descriptors or address_space or group else None)
-        self.http = None  # address of its metrics, if enabled
+        self.http = self.web = None  # addresses of its metrics and of its HTTP API, if enabled
         for line in self.process.stdout:
             self.address = line.strip().rsplit(" ", 1)[-1]
             if line.startswith("motiondbd: listening on "):
                 break
-            self.http = self.address.removesuffix("/metrics")
+            if line.startswith("motiondbd: HTTP API at "):
+                self.web = self.address
+            else:
+                self.http = self.address.removesuffix("/metrics")
 
     def stop(self, with_signal=signal.SIGTERM):
         self.process.send_signal(with_signal)

@@ -25,6 +25,8 @@ KILLS = 60 if SLOWNESS == 1 else 10  # with sanitizers, the server hardly starts
 REPRESENTATION = 5  # core::kRepresentationVersion
 ADDED_COLUMNS = ("representation_version", "tried_version", "tried_time_us", "derive_error", "given_metres_per_unit",
                  "given_up_axis", "given_frame_rate_hz", "given_leg_length_m", "given_take")
+ANNOTATION_COLUMNS = {"clip": ("title", "description", "annotations", "revision", "edit_time_us"),
+                      "database": ("revision", "removed_revision"), "model": ("revision",)}
 KINDS = {int: b"\1", float: b"\2", str: b"\3", bytes: b"\4", type(None): b"\5"}
 
 
@@ -44,14 +46,24 @@ def row_crc(*values):
 
 
 def downgrade(store):
-    """Downgrades a store from version 9 to version 7, with a database that repairs glitches."""
+    """Downgrades a store from version 10 to version 7, with a database that repairs glitches."""
     database = sqlite3.connect(store)
     database.create_function("row_crc", -1, row_crc)
+    database.execute("ALTER TABLE clip ADD COLUMN label TEXT NOT NULL DEFAULT ''")
+    database.execute("UPDATE clip SET label = ifnull((SELECT label FROM segment "
+                     "WHERE segment.clip_key = clip.clip_key), '')")
+    for table in ("segment", "tombstone", "edit", "clip_text"):
+        database.execute(f"DROP TABLE {table}")
+    for index in ("clip_by_revision", "model_by_revision"):
+        database.execute(f"DROP INDEX {index}")
+    for table, columns in ANNOTATION_COLUMNS.items():
+        for column in columns:
+            database.execute(f"ALTER TABLE {table} DROP COLUMN {column}")
     for column in ADDED_COLUMNS:
         database.execute(f"ALTER TABLE clip DROP COLUMN {column}")
     database.execute("ALTER TABLE operation DROP COLUMN kind")
     database.execute("UPDATE database SET glitches = 'repair'")
-    for table in ("clip", "operation", "database"):
+    for table in ("clip", "operation", "database", "model"):
         columns = [row[1] for row in database.execute(f"PRAGMA table_info({table})") if row[1] != "row_crc"]
         database.execute(f"UPDATE {table} SET row_crc = row_crc({', '.join(columns)})")
     database.execute("PRAGMA user_version = 7")

@@ -49,11 +49,15 @@ class SecureServer:
             [programs.MOTIONDBD, "--store", store, "--listen", listen, "--log-level", "debug",
              "--rebuild-delay", "0.05", *flags],
             stdout=subprocess.PIPE, stderr=self.log_file, text=True)
+        self.web = None  # address of its HTTP API, if enabled
         for line in self.process.stdout:
             self.address = line.strip().rsplit(" ", 1)[-1]
             if line.startswith("motiondbd: listening on "):
                 break
-            self.metrics = self.address  # the metrics address, if enabled
+            if line.startswith("motiondbd: HTTP API at "):
+                self.web = self.address
+            else:
+                self.metrics = self.address  # the metrics address, if enabled
 
     def stop(self):
         self.process.terminate()

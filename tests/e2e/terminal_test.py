@@ -30,9 +30,12 @@ def commands_below(words=()):
 class Terminal(CommandLine):
     def test_no_table_is_wider_than_the_terminal(self):
         self.server.run("token", "create", "--role", "reader", "--description", "word " * 40)
+        self.server.run("update", "walks", "clip0", "--title", "step " * 20, "--tag", "t" * 60)
         tables = [["list"], ["list", "walks"], ["operations", "list"], ["token", "list"], ["audit"],
                   ["status"], ["formats"], ["recognize", "walks", self.files[0], "--every-window"],
-                  ["predict", "walks", self.files[0]], ["mapping", "list", "walks"]]
+                  ["predict", "walks", self.files[0]], ["mapping", "list", "walks"],
+                  ["segments", "list", "walks"], ["history", "walks"], ["search", "walks", "step"],
+                  ["list", "walks", "--facets", "label,track"]]
         for columns in (40, 60, 80, 120):
             for command in tables:
                 for line in COLOUR.sub("", self.show(*command, columns=columns)).splitlines():

@@ -81,7 +81,8 @@ class TextTest(programs.WithServer):
         self.assertEqual(self.server.stop(), 0)
         with sqlite3.connect(self.store) as database:
             for column, value in columns.items():
-                database.execute(f"UPDATE clip SET {column} = ?", (value,))
+                table = "segment" if column == "label" else "clip"
+                database.execute(f"UPDATE {table} SET {column} = ?", (value,))
         database.close()
         self.restart()
 

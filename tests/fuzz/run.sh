@@ -8,9 +8,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-files=(bvh amc trc c3d csv urdf marker_set npz gzip motion_codec)  # seeds: motion_seeds.cc
+files=(bvh amc trc c3d csv urdf marker_set npz gzip motion_codec
+       annotation_tsv annotation_json babel text_grid)  # seeds: motion_seeds.cc
 blobs=(chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec)
-requests=(names ingest_stream recognize estimate predict represent observe plan restore)
+requests=(names filter connect ingest_stream recognize estimate predict represent observe plan restore)
 all=("${files[@]}" "${blobs[@]}" "${requests[@]}" import)
 runs=""
 seconds=""
@@ -59,7 +60,7 @@ runs_of() {
 # Longer inputs find nothing new and cost time.
 max_length_of() {
   case "$1" in
-    names | chunk | graph_codec) echo 1024 ;;
+    names | filter | chunk | graph_codec) echo 1024 ;;
     *) echo 32768 ;;
   esac
 }

@@ -24,9 +24,26 @@ void AddOptionsAfterFiles(CLI::App& command, QueryOptions& options) {
                   "Probability of a transition without stored counts; else 1e-6; 0 forbids it")
       ->type_name("P")
       ->check(CLI::Range(0.0, 1.0));
+  AddSelectionOptions(command, options.filter, options.min_revision);
 }
 
 }  // namespace
+
+void AddSelectionOptions(CLI::App& command, std::string& filter, std::int64_t& min_revision) {
+  AddFilterOption(
+      command, filter,
+      "Use only clips that pass this filter, as if the others were not in the database");
+  command
+      .add_option("--min-revision", min_revision,
+                  "Wait until the model contains this revision of the database, at most for "
+                  "--timeout")
+      ->type_name("R")
+      ->check(NonNegativeNumber());
+}
+
+void AddTrackOption(CLI::App& command, std::string& track) {
+  command.add_option("--track", track, "Track of the labels; else action")->type_name("T");
+}
 
 void AddQueryOptions(CLI::App& command, QueryOptions& options) {
   command.add_option("DB", options.database, "Database")->required();

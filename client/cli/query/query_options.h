@@ -4,6 +4,7 @@
 #include <motiondb/v1/query.pb.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -24,11 +25,19 @@ struct QueryOptions {
   SourceOptions source;
   int layer = 0;
   std::optional<double> floor;
+  std::string filter;
+  std::int64_t min_revision = 0;
 };
 
 // Binds the options to a command that accepts several files, or one.
 void AddQueryOptions(CLI::App& command, QueryOptions& options);
 void AddQueryOptionsOfOneFile(CLI::App& command, QueryOptions& options);
+
+// Adds --filter and --min-revision, which all queries have.
+void AddSelectionOptions(CLI::App& command, std::string& filter, std::int64_t& min_revision);
+
+// Adds --track.
+void AddTrackOption(CLI::App& command, std::string& track);
 
 // Adds --method; `method` contains the default.
 void AddMethodOption(CLI::App& command, v1::Method& method);
@@ -50,6 +59,8 @@ void SetQuery(const QueryOptions& options, Request& request) {
   request.set_database(DatabaseName(options.database));
   if (options.layer > 0) request.set_layer(options.layer);
   if (options.floor) request.set_transition_floor(*options.floor);
+  request.set_filter(options.filter);
+  request.set_min_revision(options.min_revision);
 }
 
 // Returns the marker names of a database in the order of the state vector. NOT_FOUND: no such

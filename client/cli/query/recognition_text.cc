@@ -4,6 +4,7 @@
 #include <motiondb/v1/query.pb.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "client/cli/database_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -78,11 +80,11 @@ std::vector<WindowRun> RunsOf(const v1::RecognizeResponse& response, double unkn
   return runs;
 }
 
-// "walk 93 % (14 of 15 windows), unknown 7 % (1 of 15 windows)"
-std::string SharesText(const v1::RecognizeResponse& response, double unknown_threshold) {
+// Returns the share of windows of each answer: "walk 93 % (14 of 15 windows), unknown 7 % (1 of 15
+// windows)". `answers` has one for each window.
+std::string SharesText(const std::vector<WindowAnswer>& answers) {
   std::vector<std::pair<WindowAnswer, int>> ranked;
-  for (const auto& window : response.windows()) {
-    const WindowAnswer answer = AnswerOf(window, unknown_threshold);
+  for (const WindowAnswer& answer : answers) {
     if (answer == WindowAnswer()) continue;
     const auto found = std::ranges::find(ranked, answer, &std::pair<WindowAnswer, int>::first);
     if (found == ranked.end()) {
@@ -95,13 +97,40 @@ std::string SharesText(const v1::RecognizeResponse& response, double unknown_thr
     return std::tuple(-a.second, !a.first.is_unknown, a.first.label) <
            std::tuple(-b.second, !b.first.is_unknown, b.first.label);
   });
-  const int total = response.windows_size();
   std::string text;
   for (const auto& [answer, count] : ranked) {
     text += fmt::format("{}{} {:.0f} % ({} of {})", text.empty() ? "" : ", ", answer.label,
-                        100.0 * count / total, count, CountText(total, "window"));
+                        100.0 * count / static_cast<double>(answers.size()), count,
+                        CountText(std::ssize(answers), "window"));
   }
   return (text.empty() ? "nothing recognized" : text) + "\n";
+}
+
+// Returns a line with the shares of each other track: "track carries: box 80 % (...), none ...".
+std::string OtherTracksText(const v1::RecognizeResponse& response) {
+  std::map<std::string, std::vector<WindowAnswer>> answers_of_track;
+  for (const auto& window : response.windows()) {
+    for (const v1::TrackLabels& track : window.other_tracks()) {
+      double no_label = 1;
+      for (const auto& label : track.labels()) no_label -= label.probability();
+      const bool has_label = track.labels_size() > 0 && track.labels(0).probability() >= no_label;
+      answers_of_track[track.track()].push_back(
+          {has_label ? LabelOrPlaceholder(track.labels(0).label()) : "none", !has_label});
+    }
+  }
+  std::string text;
+  for (const auto& [track, answers] : answers_of_track) {
+    text += fmt::format("track {}: {}", text::DisplayText(track), SharesText(answers));
+  }
+  return text;
+}
+
+std::string SummaryText(const v1::RecognizeResponse& response, double unknown_threshold) {
+  std::vector<WindowAnswer> answers;
+  for (const auto& window : response.windows()) {
+    answers.push_back(AnswerOf(window, unknown_threshold));
+  }
+  return SharesText(answers) + OtherTracksText(response);
 }
 
 }  // namespace
@@ -141,7 +170,7 @@ std::string RecognitionText(const v1::RecognizeResponse& response, double unknow
   if (response.windows_size() > 0) {
     table = RecognitionTable(response, unknown_threshold, windows).ToString();
   }
-  return WithSummary(table, SharesText(response, unknown_threshold)) +
+  return WithSummary(table, SummaryText(response, unknown_threshold)) +
          CalibrationNote(response.calibration());
 }
 

@@ -28,8 +28,8 @@ enum class Windows { kMerged, kEvery };
 Table RecognitionTable(const v1::RecognizeResponse& response, double unknown_threshold,
                        Windows windows);
 
-// Returns the table, the share of windows of each answer (first, if the text exceeds the screen),
-// and notes about the calibration.
+// Returns the table, the share of windows of each answer and of each label of other tracks (first,
+// if the text exceeds the screen), and notes about the calibration.
 std::string RecognitionText(const v1::RecognizeResponse& response, double unknown_threshold,
                             Windows windows);
 

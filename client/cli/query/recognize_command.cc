@@ -25,6 +25,7 @@ struct RecognizeOptions {
   static constexpr bool kPrintsTable = true;
   const CLI::App* command = nullptr;
   QueryOptions query;
+  std::string track;
   std::string window = "0.4";
   double hop_seconds = 0.1;
   int top = 0;
@@ -45,6 +46,7 @@ std::string CheckWindow(const std::string& text) {
 void Declare(CLI::App& command, RecognizeOptions& options) {
   options.command = &command;
   AddQueryOptions(command, options.query);
+  AddTrackOption(command, options.track);
   command.footer(
       "--layer, --floor and --paths need --method paper or --plot-profile; --unknown-threshold "
       "needs --method best.");
@@ -95,6 +97,7 @@ v1::RecognizeRequest Request(const RecognizeOptions& options) {
   request.set_hop_seconds(options.hop_seconds);
   if (options.top > 0) request.set_top_count(options.top);
   request.set_method(options.method);
+  request.set_track(options.track);
   if (options.paths > 0) {
     request.set_generation(v1::GENERATION_TOP_PATHS);
     request.set_path_count(options.paths);
@@ -196,7 +199,8 @@ void AddRecognizeCommand(CommandLine line) {
       "motiondb recognize walks observed.bvh\n"
       "motiondb recognize walks recordings/ --csv --output answers.csv\n"
       "motiondb recognize walks observed.bvh --window all --plot answer.svg\n"
-      "motiondb recognize walks observed.bvh --method paper --layer 6",
+      "motiondb recognize walks observed.bvh --method paper --layer 6\n"
+      "motiondb recognize walks observed.bvh --filter 'subject != \"07\"'",
       Declare, Run);
 }
 

@@ -86,6 +86,15 @@ void PrintText(std::string_view text) {
   Write(WithStyles(text, !Output().file && HasColours(STDOUT_FILENO)));
 }
 
+void PrintTabSeparated(std::string_view text) {
+  for (std::size_t end = text.find('\t'); end != std::string_view::npos; end = text.find('\t')) {
+    PrintText(text.substr(0, end));
+    Write("\t");
+    text.remove_prefix(end + 1);
+  }
+  PrintText(text);
+}
+
 void PrintLineText(std::string_view line) { Write(text::DisplayText(line) + '\n'); }
 
 void PrintError(std::string_view error) {

@@ -41,6 +41,9 @@ bool IsOnTerminal();
 // Prints text of several lines, with line ends.
 void PrintText(std::string_view text);
 
+// As PrintText, but keeps tabs.
+void PrintTabSeparated(std::string_view text);
+
 // Prints one line, given without line end. Line ends in it are replaced.
 void PrintLineText(std::string_view line);
 template <typename... Args>

@@ -17,6 +17,7 @@
 #include <motiondb/field_violation.h>
 #include <motiondb/messages.h>
 #include <motiondb/observe_stream.h>
+#include <motiondb/watch.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -62,6 +63,9 @@ class Client {
   // Derives all clips again from their files, as the operation in the response (WaitOperation).
   absl::StatusOr<v1::ReprocessDatabaseResponse> ReprocessDatabase(
       const v1::ReprocessDatabaseRequest& request, CallOptions options = {}) const;
+  // Opens the stream of changes (<motiondb/watch.h>), which reconnects by itself. All errors are
+  // returned by Watch::Finish.
+  Watch WatchDatabase(const v1::WatchDatabaseRequest& request, WatchOptions options = {}) const;
 
   // ---- Marker sets and mappings ----------------------------------------------------------------
   absl::StatusOr<v1::GetMarkerSetResponse> GetMarkerSet(const v1::GetMarkerSetRequest& request,
@@ -89,6 +93,12 @@ class Client {
                                               CallOptions options = {}) const;
   absl::StatusOr<v1::ListClipsResponse> ListClips(const v1::ListClipsRequest& request,
                                                   CallOptions options = {}) const;
+  // ABORTED, with nothing changed: the etag of the request is not that of the stored clip. Read the
+  // clip and try again.
+  absl::StatusOr<v1::UpdateClipResponse> UpdateClip(const v1::UpdateClipRequest& request,
+                                                    CallOptions options = {}) const;
+  absl::StatusOr<v1::SearchClipsResponse> SearchClips(const v1::SearchClipsRequest& request,
+                                                      CallOptions options = {}) const;
   absl::StatusOr<v1::DeleteClipResponse> DeleteClip(const v1::DeleteClipRequest& request,
                                                     CallOptions options = {}) const;
   // Returns the ingested files. DATA_LOSS: the stream violates the wire contract.
@@ -107,6 +117,24 @@ class Client {
                                                       CallOptions options = {}) const;
   absl::StatusOr<v1::ListSkeletonsResponse> ListSkeletons(const v1::ListSkeletonsRequest& request,
                                                           CallOptions options = {}) const;
+
+  // ---- Segments and edits ----------------------------------------------------------------------
+  // Files of segments: <motiondb/annotation_file.h>.
+  absl::StatusOr<v1::CreateSegmentResponse> CreateSegment(const v1::CreateSegmentRequest& request,
+                                                          CallOptions options = {}) const;
+  absl::StatusOr<v1::UpdateSegmentResponse> UpdateSegment(const v1::UpdateSegmentRequest& request,
+                                                          CallOptions options = {}) const;
+  absl::StatusOr<v1::DeleteSegmentResponse> DeleteSegment(const v1::DeleteSegmentRequest& request,
+                                                          CallOptions options = {}) const;
+  absl::StatusOr<v1::ListSegmentsResponse> ListSegments(const v1::ListSegmentsRequest& request,
+                                                        CallOptions options = {}) const;
+  // Makes all changes or none.
+  absl::StatusOr<v1::BatchEditResponse> BatchEdit(const v1::BatchEditRequest& request,
+                                                  CallOptions options = {}) const;
+  absl::StatusOr<v1::ListEditsResponse> ListEdits(const v1::ListEditsRequest& request,
+                                                  CallOptions options = {}) const;
+  absl::StatusOr<v1::UndoEditResponse> UndoEdit(const v1::UndoEditRequest& request,
+                                                CallOptions options = {}) const;
 
   // ---- Models ----------------------------------------------------------------------------------
   absl::StatusOr<v1::GetModelResponse> GetModel(const v1::GetModelRequest& request,
@@ -209,6 +237,8 @@ class Client {
   absl::StatusOr<std::vector<v1::Database>> AllDatabases(CallOptions options = {}) const;
   absl::StatusOr<std::vector<v1::Clip>> AllClips(const v1::ListClipsRequest& request,
                                                  CallOptions options = {}) const;
+  absl::StatusOr<std::vector<v1::Segment>> AllSegments(const v1::ListSegmentsRequest& request,
+                                                       CallOptions options = {}) const;
   absl::StatusOr<std::vector<v1::Skeleton>> AllSkeletons(const v1::ListSkeletonsRequest& request,
                                                          CallOptions options = {}) const;
   absl::StatusOr<std::vector<v1::Model>> AllModels(const v1::ListModelsRequest& request,
@@ -223,6 +253,7 @@ class Client {
 
  private:
   friend class ObserveStream;
+  friend class Watch;
   class Connection;
   explicit Client(std::shared_ptr<const Connection> connection);
 

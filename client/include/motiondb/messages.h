@@ -29,6 +29,8 @@ class ListDatabasesRequest;
 class ListDatabasesResponse;
 class ReprocessDatabaseRequest;
 class ReprocessDatabaseResponse;
+class WatchDatabaseRequest;
+class WatchDatabaseResponse;
 
 // marker_set.proto
 class AddMappingsRequest;
@@ -42,11 +44,14 @@ class MarkerSet;
 
 // clip.proto
 class Clip;
+class ClipMatch;
 class DeleteClipRequest;
 class DeleteClipResponse;
 class ExportClipHeader;
 class ExportClipRequest;
 class ExportClipResponse;
+class Facet;
+class FieldValue;
 class GetClipRequest;
 class GetClipResponse;
 class GetSkeletonRequest;
@@ -57,7 +62,21 @@ class ListClipsRequest;
 class ListClipsResponse;
 class ListSkeletonsRequest;
 class ListSkeletonsResponse;
+class SearchClipsRequest;
+class SearchClipsResponse;
 class Skeleton;
+class UpdateClipRequest;
+class UpdateClipResponse;
+
+// edit.proto
+class BatchEditRequest;
+class BatchEditResponse;
+class Edit;
+class EditedObject;
+class ListEditsRequest;
+class ListEditsResponse;
+class UndoEditRequest;
+class UndoEditResponse;
 
 // model.proto
 class GetModelRequest;
@@ -112,6 +131,17 @@ class PredictSeriesRequest;
 class PredictSeriesResponse;
 class RecognizeRequest;
 class RecognizeResponse;
+
+// segment.proto
+class CreateSegmentRequest;
+class CreateSegmentResponse;
+class DeleteSegmentRequest;
+class DeleteSegmentResponse;
+class ListSegmentsRequest;
+class ListSegmentsResponse;
+class Segment;
+class UpdateSegmentRequest;
+class UpdateSegmentResponse;
 
 // server.proto
 class GetServerStatusRequest;

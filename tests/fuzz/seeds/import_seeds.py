@@ -139,6 +139,21 @@ def gltf_of(glb):
     return json.dumps(scene).encode()
 
 
+def curves_of(gltf):
+    """Returns a glTF text with steps, and cubic splines of a third of the frames."""
+    scene = json.loads(gltf)
+    samplers = scene["animations"][0]["samplers"]
+    times = dict(scene["accessors"][samplers[0]["input"]])
+    times["count"] //= 3
+    times["max"] = [1]
+    scene["accessors"].append(times)
+    for i, sampler in enumerate(samplers):
+        sampler["interpolation"] = ("STEP", "CUBICSPLINE", "LINEAR")[i % 3]
+        if i % 3 == 1:
+            sampler["input"] = len(scene["accessors"]) - 1
+    return json.dumps(scene).encode()
+
+
 def own_seeds(program, folder):
     path = os.path.join(folder, "seed.bvh")
     with open(path, "wb") as file:
@@ -151,7 +166,8 @@ def own_seeds(program, folder):
                          ("npz", ".npz"), ("gltf", ".glb")):
         seeds.append(Seed("glb" if suffix == ".glb" else name, suffix, convert(program, path, name),
                           is_ours=suffix != ".glb"))
-    return seeds + [Seed("gltf", ".gltf", gltf_of(seeds[-1].data), is_ours=False)]
+    text = gltf_of(seeds[-1].data)
+    return seeds + [Seed("gltf", ".gltf", one, is_ours=False) for one in (text, curves_of(text))]
 
 
 def model_seeds(program):

@@ -10,6 +10,7 @@
 #include "core/format/marker_set_file.h"
 #include "core/format/readers.h"
 #include "storage/blob/motion_codec.h"
+#include "tests/client/random_annotations.h"
 #include "tests/core/format/biped_table.h"
 #include "tests/core/format/c3d_builder.h"
 #include "tests/core/format/odd_robot.h"
@@ -51,6 +52,19 @@ TEST_CASE("Seeds: C3D", "[seeds]") {
   builder.analog_per_frame = 2;
   builder.long_count = true;
   WriteSeed("c3d_fuzz", "mips", builder.Build());
+}
+
+TEST_CASE("Seeds: annotations", "[seeds]") {
+  const auto annotations = RandomAnnotations(1, 1, 2);
+  for (const auto& [target, format] :
+       {std::pair("annotation_tsv_fuzz", client::AnnotationFormat::kTsv),
+        std::pair("annotation_json_fuzz", client::AnnotationFormat::kJson),
+        std::pair("babel_fuzz", client::AnnotationFormat::kBabel),
+        std::pair("text_grid_fuzz", client::AnnotationFormat::kTextGrid)}) {
+    const auto bytes = client::WriteAnnotations(format, RandomClips(1), annotations);
+    REQUIRE(bytes.ok());
+    WriteSeed(target, "written", *bytes);
+  }
 }
 
 TEST_CASE("Seeds: URDF", "[seeds]") {

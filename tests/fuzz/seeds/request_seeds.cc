@@ -200,8 +200,25 @@ TEST_CASE("Seeds: names and tokens", "[seeds]") {
     for (char& c : file) c = c == '/' ? '_' : c;
     WriteSeed("names_fuzz", file, name);
   }
+  WriteSeed("connect_fuzz", "envelope", std::string("\0\0\0\0\0\2{}", 8));
+  WriteSeed("connect_fuzz", "json",
+            R"(2{"database":"databases/d","atSeconds":0.5,"horizonSeconds":[0.1,"NaN"]})");
   // A token of the list that the target reads; random letters match no list.
   WriteSeed("names_fuzz", "token", absl::WebSafeBase64Escape("databases/db/models\n3:17"));
+}
+
+TEST_CASE("Seeds: filters and orders", "[seeds]") {
+  constexpr std::string_view kTexts[] = {
+      "label = \"walk\" AND NOT subject != 07 OR tags:(left slow)",
+      "segment:(label = walk AND track = action AND confidence < 0.8) duration >= 2.5s",
+      "fields.n > 3 OR fields.s = \"x*\\*\" OR fields:b OR fields.t = 2026-05-01",
+      "clip.label = walk AND start < 2s AND -clip.segment.source = (person OR import)",
+      "create_time > \"2026-05-01T12:00:00+02:00\" format:bvh description:'hall 5' title:*",
+      "duration desc, fields.n, name",
+      "clip.subject, track, start desc"};
+  for (std::size_t i = 0; i < std::size(kTexts); ++i) {
+    WriteSeed("filter_fuzz", std::to_string(i), kTexts[i]);
+  }
 }
 
 }  // namespace

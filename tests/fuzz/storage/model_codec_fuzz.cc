@@ -6,7 +6,7 @@ using namespace motiondb;
 
 namespace {
 
-constexpr std::uint32_t kEncodedVersion = 3;
+constexpr std::uint32_t kEncodedVersion = 5;
 constexpr std::int64_t kMaxNumbers = 1 << 20;  // of synthetic states
 
 }  // namespace

@@ -11,6 +11,8 @@
 #include "core/export/motion_writer.h"
 #include "import/child.h"
 
+// Sanitizers need memory themselves.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 namespace motiondb::tests::long_export_test {
 namespace {
 
@@ -35,8 +37,6 @@ std::int64_t UsedBytes() {
 
 }  // namespace
 
-// Sanitizers need memory themselves.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_CASE("WriteMotion: 40 minutes at 120 Hz are written within 512 MiB", "[import]") {
   constexpr int kFrames = 300'000;
   const core::MarkerMotion motion = LongMotion(kFrames, 10);
@@ -60,6 +60,6 @@ TEST_CASE("WriteMotion: 40 minutes at 120 Hz are written within 512 MiB", "[impo
     CHECK(std::atoll(result->c_str()) > std::int64_t{kFrames} * 10 * 3 * 4);
   }
 }
-#endif
 
 }  // namespace motiondb::tests::long_export_test
+#endif

@@ -492,7 +492,8 @@ void TestTextSearch(StoreUnderTest& store) {
   CHECK(found("left").empty());
   auto derived = SampleClip("d", "walk", 9);
   derived.record.subject = "zoe";
-  REQUIRE_OK(store->ReplaceClip(Require(store->GetClip("d", "walk")), derived));
+  const auto former = Require(store->GetClip("d", "walk"));  // each use of `store` opens it again
+  REQUIRE_OK(store->ReplaceClip(former, derived));
   CHECK(found("zoe cafe") == "walk ");
   REQUIRE_OK(store->DeleteClip("d", "run"));
   CHECK(found("walk") == "walk ");

@@ -17,8 +17,8 @@ namespace motiondb::tests::glb_samples_test {
 namespace {
 
 // Writes NAME.glb and NAME.json, the content of which check_glb.mjs describes.
-void WriteSample(const std::string& name, const core::JointMotion& motion) {
-  const std::filesystem::path folder = std::getenv("MOTIONDB_GLB_SAMPLES");
+void WriteSample(const std::filesystem::path& folder, const std::string& name,
+                 const core::JointMotion& motion) {
   const auto bytes = core::WriteGlb(motion);
   INFO(MessageOf(bytes.status()));
   REQUIRE(bytes.ok());
@@ -39,11 +39,14 @@ void WriteSample(const std::string& name, const core::JointMotion& motion) {
 }  // namespace
 
 TEST_CASE("Samples of GLB for other readers", "[.samples]") {
+  // Catch runs hidden tests too if only exclusions are given.
+  const char* const folder = std::getenv("MOTIONDB_GLB_SAMPLES");
+  if (folder == nullptr) return;
   const std::string text = WriteBvh(StickFigure{});
-  WriteSample("stick", Joints(ReadText(core::FileFormat::kBvh, text)));
-  WriteSample("odd", RandomMotion(OddJoints(), 25, 29.97, 3));
-  WriteSample("slow", RandomMotion(OddJoints(), 5, 0.5, 1));
-  WriteSample("one-frame", RandomMotion(OddJoints(), 1, 100, 1));
+  WriteSample(folder, "stick", Joints(ReadText(core::FileFormat::kBvh, text)));
+  WriteSample(folder, "odd", RandomMotion(OddJoints(), 25, 29.97, 3));
+  WriteSample(folder, "slow", RandomMotion(OddJoints(), 5, 0.5, 1));
+  WriteSample(folder, "one-frame", RandomMotion(OddJoints(), 1, 100, 1));
 }
 
 }  // namespace motiondb::tests::glb_samples_test

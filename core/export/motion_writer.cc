@@ -176,7 +176,8 @@ Motion SampledFrames(const Motion& motion) {
 void CheckConventions(FileFormat format, const Motion& motion, WrittenMotion& written) {
   if (format != FileFormat::kBvh && format != FileFormat::kTrc) return;
   WrittenMotion sampled;
-  const auto bytes = BytesOf(format, SampledFrames(motion), std::nullopt, sampled);
+  const Mimics none;
+  const auto bytes = BytesOf(format, SampledFrames(motion), none, sampled);
   if (!bytes.ok()) return;  // all markers are missing in these frames
   const auto back = ReadMotionFile(format, {"written", *bytes});
   if (!back.ok()) return;  // one frame is not enough to read

@@ -146,7 +146,7 @@ absl::StatusOr<Model> Model::Create(ModelParts parts, const Model& base) {
   return Model(std::move(parts), base.metric_frames_, RunSerially);
 }
 
-absl::Status Model::set_labels(std::vector<ClipLabels> labels) {
+absl::StatusOr<Model> Model::WithLabels(std::vector<ClipLabels> labels) const {
   if (labels.size() != parts_.clips.size()) {
     return InvalidArgument("labels: expected those of {} clips, got {}", parts_.clips.size(),
                            labels.size());
@@ -158,12 +158,13 @@ absl::Status Model::set_labels(std::vector<ClipLabels> labels) {
       return InvalidArgument("clip '{}': {}", clip.id, std::string(fits.message()));
     }
   }
+  Model relabelled = *this;
   for (std::size_t c = 0; c < labels.size(); ++c) {
-    parts_.clips[c].labels = std::move(labels[c].labels);
-    parts_.clips[c].subject = std::move(labels[c].subject);
+    relabelled.parts_.clips[c].labels = std::move(labels[c].labels);
+    relabelled.parts_.clips[c].subject = std::move(labels[c].subject);
   }
-  action_units_ = UnitsOfAction(parts_);
-  return absl::OkStatus();
+  relabelled.action_units_ = UnitsOfAction(relabelled.parts_);
+  return relabelled;
 }
 
 std::shared_ptr<const ClipGraph> Model::clip_graph(int layer, int clip) const {

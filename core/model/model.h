@@ -119,11 +119,11 @@ class Model {
   double build_seconds() const { return parts_.build_seconds; }
   // REQUIRES: the model is not yet shared.
   void set_build_seconds(double seconds) { parts_.build_seconds = seconds; }
-  // Replaces the labels and subjects of the clips, and nothing that was learned from them.
-  // INVALID_ARGUMENT, without any change, as LabelTracks::Check, or unless there is one for each
-  // clip.
-  // REQUIRES: the model is not yet shared.
-  absl::Status set_labels(std::vector<ClipLabels> labels);
+  // Returns the model with new labels and subjects, one for each clip. Recognition then names the
+  // new labels; metric and calibration stay those learned from the old ones until RefitLabels
+  // (core/calibration/calibrate.h) or a build. Shares the stored states; copies the rest.
+  // INVALID_ARGUMENT as LabelTracks::Check, naming the clip, or if the number of clips differs.
+  absl::StatusOr<Model> WithLabels(std::vector<ClipLabels> labels) const;
   const ModelParts& parts() const { return parts_; }
   // Returns the parts of a model that is no longer used.
   ModelParts TakeParts() && { return std::move(parts_); }

@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "core/model/relabel.h"
 #include "core/motion/error.h"
 #include "server/engine/clip_labels.h"
 #include "server/engine/compute_model.h"
@@ -54,7 +53,7 @@ absl::StatusOr<ServedModel> ModelLifecycle::Relabelled(ServedModel served) {
   auto labels = StoredLabels(served.snapshot->model, *catalog);
   if (labels) {
     MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
-                              core::WithLabels(served.snapshot->model, *std::move(labels)));
+                              served.snapshot->model.WithLabels(*std::move(labels)));
     Snapshot snapshot{served.snapshot->record, std::move(model), served.snapshot->calibration,
                       served.snapshot->is_extensible};
     snapshot.has_fitted_labels = false;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/calibration/calibrate.h"
-#include "core/calibration/refit_labels.h"
 #include "core/motion/error.h"
 #include "core/tree/split_node.h"
 #include "server/engine/compute_model.h"

@@ -6,10 +6,9 @@
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "server/engine/export_clip.h"
 #include "server/filter/listing.h"
-#include "server/rpc/call.h"
+#include "server/rpc/edit_call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
-#include "server/translate/annotation_request.h"
 #include "server/translate/file_format.h"
 #include "server/translate/page.h"
 #include "server/translate/record_messages.h"
@@ -23,31 +22,18 @@ constexpr std::size_t kSentBlockBytes = std::size_t{1} << 20;
 // Number of skeletons in one read of a list: one may have a megabyte, and two fill a page.
 constexpr int kSkeletonsPerRead = 8;
 
-absl::Status GetClip(const Call& call, const v1::GetClipRequest& request,
-                     v1::GetClipResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.store().GetClip(id.database, id.id));
-  SetClip(record, *response.mutable_clip());
+// Sets the stored clip. NOT_FOUND.
+absl::Status SetStoredClip(const Call& call, const std::string& database, const std::string& clip,
+                           v1::Clip& message) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.store().GetClip(database, clip));
+  SetClip(record, message);
   return absl::OkStatus();
 }
 
-// Adds the stored clips of a page, except those deleted meanwhile. Returns the number of listed
-// clips that are on the page.
-absl::StatusOr<std::size_t> AddClips(const Call& call, const std::string& database,
-                                     const std::vector<const CatalogClip*>& listed, int size,
-                                     v1::ListClipsResponse& response) {
-  PageBudget budget(size);
-  std::size_t taken = 0;
-  for (const CatalogClip* const clip : listed) {
-    const auto record = call.engine.store().GetClip(database, clip->id);
-    if (!record.ok() && !absl::IsNotFound(record.status())) return record.status();
-    v1::Clip message;
-    if (record.ok()) SetClip(*record, message);
-    if (!budget.Take(message.ByteSizeLong())) break;
-    if (record.ok()) *response.add_clips() = std::move(message);
-    ++taken;
-  }
-  return taken;
+absl::Status GetClip(const Call& call, const v1::GetClipRequest& request,
+                     v1::GetClipResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
+  return SetStoredClip(call, id.database, id.id, *response.mutable_clip());
 }
 
 absl::Status ListClipsPage(const Call& call, const v1::ListClipsRequest& request,
@@ -69,7 +55,10 @@ absl::Status ListClipsPage(const Call& call, const v1::ListClipsRequest& request
       ListClips(*catalog, filter, order, {after, static_cast<std::size_t>(size) + 1}, facets,
                 call.cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(const std::size_t taken,
-                            AddClips(call, id, listed.clips, size, response));
+                            FillPageFromStore(listed.clips, size, *response.mutable_clips(),
+                                              [&](const CatalogClip* clip, v1::Clip& message) {
+                                                return SetStoredClip(call, id, clip->id, message);
+                                              }));
   if (taken < listed.clips.size()) {
     response.set_next_page_token(EncodePageToken(scope, order.KeyOf(*listed.clips[taken - 1])));
   }
@@ -123,32 +112,27 @@ absl::Status SearchClips(const Call& call, const v1::SearchClipsRequest& request
     ++next;
   }
   response.set_total_count(static_cast<int>(passing.size()));
-  const auto set = [&](const storage::TextMatch& match, v1::ClipMatch& to) {
-    to.set_score(match.score);
-    const auto record = call.engine.store().GetClip(id, match.clip);
-    if (record.ok()) SetClip(*record, *to.mutable_clip());
-  };
   const std::vector<storage::TextMatch> rest(next, passing.end());
-  response.set_next_page_token(FillPageFrom(rest, size, scope, *response.mutable_matches(), set,
-                                            [](const auto& match) { return match.clip; }));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const std::size_t taken,
+      FillPageFromStore(rest, size, *response.mutable_matches(),
+                        [&](const storage::TextMatch& match, v1::ClipMatch& message) {
+                          message.set_score(match.score);
+                          return SetStoredClip(call, id, match.clip, *message.mutable_clip());
+                        }));
+  if (taken < rest.size()) {
+    response.set_next_page_token(EncodePageToken(scope, rest[taken - 1].clip));
+  }
   return absl::OkStatus();
 }
 
 absl::Status UpdateClip(const Call& call, const v1::UpdateClipRequest& request,
                         v1::UpdateClipResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const RequestedChange requested, ParseChange(request));
-  const auto audit = call.entry.AuditRecordForChange(request.clip().name());
-  MOTIONDB_ASSIGN_OR_RETURN(const Edited edited,
-                            call.engine.Edit(requested.database, {&requested.change, 1},
-                                             audit.principal, {&audit, call.cancelled}));
-  if (edited.edit.id == 0) call.entry.SetUnchanged();
-  const std::string& clip = std::get<storage::ClipChange>(requested.change).clip;
-  MOTIONDB_ASSIGN_OR_RETURN(const auto record,
-                            call.engine.store().GetClip(requested.database, clip));
-  SetClip(record, *response.mutable_clip());
-  response.set_revision(edited.revision);
-  if (edited.operation) SetOperation(*edited.operation, *response.mutable_operation());
-  return absl::OkStatus();
+  MOTIONDB_RETURN_IF_ERROR(MakeChange(call, requested, request.clip().name(), response).status());
+  return SetStoredClip(call, requested.database,
+                       std::get<storage::ClipChange>(requested.change).clip,
+                       *response.mutable_clip());
 }
 
 absl::Status DeleteClip(const Call& call, const v1::DeleteClipRequest& request,

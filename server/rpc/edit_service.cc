@@ -3,25 +3,15 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/edit.grpc.pb.h"
-#include "server/rpc/call.h"
+#include "server/rpc/edit_call.h"
 #include "server/rpc/services.h"
 #include "server/translate/annotation_message.h"
 #include "server/translate/annotation_request.h"
 #include "server/translate/page.h"
-#include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
-
-// Sets the response of a stored edit. An edit without effect is recorded as unchanged.
-template <typename Response>
-void SetEdited(const Call& call, const Edited& edited, Response& response) {
-  if (edited.edit.id == 0) call.entry.SetUnchanged();
-  SetEdit(edited.edit, *response.mutable_edit());
-  response.set_revision(edited.revision);
-  if (edited.operation) SetOperation(*edited.operation, *response.mutable_operation());
-}
 
 absl::Status BatchEdit(const Call& call, const v1::BatchEditRequest& request,
                        v1::BatchEditResponse& response) {
@@ -30,6 +20,7 @@ absl::Status BatchEdit(const Call& call, const v1::BatchEditRequest& request,
   const auto audit = call.entry.AuditRecordForChange(request.parent());
   MOTIONDB_ASSIGN_OR_RETURN(const Edited edited, call.engine.Edit(id, changes, audit.principal,
                                                                   {&audit, call.cancelled}));
+  SetEdit(edited.edit, *response.mutable_edit());
   SetEdited(call, edited, response);
   return absl::OkStatus();
 }
@@ -70,6 +61,7 @@ absl::Status UndoEdit(const Call& call, const v1::UndoEditRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(
       const Edited edited,
       call.engine.UndoEdit(id.database, id.id, audit.principal, {&audit, call.cancelled}));
+  SetEdit(edited.edit, *response.mutable_edit());
   SetEdited(call, edited, response);
   return absl::OkStatus();
 }

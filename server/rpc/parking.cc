@@ -7,26 +7,6 @@ namespace motiondb::server {
 
 using storage::MutexLock;
 
-struct Parking::Alarm {
-  storage::Mutex mutex;
-  Parking* parking ABSL_GUARDED_BY(mutex) = nullptr;  // null: the call has ended
-  std::unique_ptr<Executor::Timer> timer ABSL_GUARDED_BY(mutex);
-};
-
-Parking::Parking(Executor& executor) : alarm_(std::make_shared<Alarm>()) {
-  const MutexLock lock(alarm_->mutex);
-  alarm_->parking = this;
-  alarm_->timer = executor.MakeTimer(Pool::kRequests);
-}
-
-Parking::~Parking() {
-  subscription_.reset();
-  std::unique_ptr<Executor::Timer> timer;
-  const MutexLock lock(alarm_->mutex);
-  alarm_->parking = nullptr;
-  timer.swap(alarm_->timer);
-}
-
 void Parking::BeginStep() {
   const MutexLock lock(mutex_);
   woken_ = false;
@@ -37,17 +17,15 @@ void Parking::WakeOn(ChangeSignal& signal) {
 }
 
 void Parking::Park(std::chrono::system_clock::time_point latest, std::function<void()> resume) {
+  using std::chrono::milliseconds;
   using std::chrono::system_clock;
-  // A deadline far in the future has no use, and could overflow the clock of the executor.
-  constexpr auto kLongest = std::chrono::hours(24);
-  const auto rest = std::clamp<system_clock::duration>(latest - system_clock::now(),
-                                                       system_clock::duration::zero(), kLongest);
-  {
-    const MutexLock lock(alarm_->mutex);
-    alarm_->timer->Set(Executor::Clock::now() + rest, [alarm = alarm_] {
-      const MutexLock alarm_lock(alarm->mutex);
-      if (alarm->parking != nullptr) alarm->parking->Wake();
-    });
+  if (alarm_ == nullptr) {
+    // A deadline far in the future could overflow the clock of the executor.
+    const auto rest = std::clamp<system_clock::duration>(
+        latest - system_clock::now(), system_clock::duration::zero(), std::chrono::hours(24));
+    // Repeats, because the two clocks may differ.
+    alarm_ = std::make_unique<IdleTimer>(executor_, std::chrono::ceil<milliseconds>(rest),
+                                         milliseconds(1000), [this] { Wake(); });
   }
   {
     const MutexLock lock(mutex_);

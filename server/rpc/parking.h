@@ -6,17 +6,17 @@
 #include <functional>
 #include <memory>
 
-#include "absl/status/status.h"
 #include "server/engine/change_signal.h"
 #include "server/engine/executor.h"
+#include "server/rpc/idle_timer.h"
 #include "storage/mutex.h"
 
 namespace motiondb::server {
 
+// A call that never parks makes no timer.
 class Parking {
  public:
-  explicit Parking(Executor& executor);
-  ~Parking();
+  explicit Parking(Executor& executor) : executor_(executor) {}
 
   // The following three are called by the steps of the call, by one thread at a time.
 
@@ -24,8 +24,8 @@ class Parking {
   void BeginStep();
   // From now on each change wakes the call. Has an effect only once.
   void WakeOn(ChangeSignal& signal);
-  // Calls `resume` once, on any thread: when woken since BeginStep, at the latest at `latest`. It
-  // must not block.
+  // Calls `resume` once, on any thread: when woken since BeginStep, or soon after `latest`, which
+  // is the same for all steps. It must not block.
   void Park(std::chrono::system_clock::time_point latest, std::function<void()> resume);
 
   void Wake();
@@ -34,13 +34,14 @@ class Parking {
   bool stopped() const;
 
  private:
+  Executor& executor_;
   mutable storage::Mutex mutex_;
   bool woken_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::function<void()> resume_ ABSL_GUARDED_BY(mutex_);
-  struct Alarm;
-  const std::shared_ptr<Alarm> alarm_;  // shared with the executor's timer, which may fire late
-  std::unique_ptr<ChangeSignal::Subscription> subscription_;  // first to be destroyed
+  // Last: their callbacks use the members above.
+  std::unique_ptr<IdleTimer> alarm_;  // null: never parked
+  std::unique_ptr<ChangeSignal::Subscription> subscription_;
 };
 
 }  // namespace motiondb::server

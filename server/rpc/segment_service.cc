@@ -4,30 +4,14 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/segment.grpc.pb.h"
 #include "server/filter/listing.h"
-#include "server/rpc/call.h"
+#include "server/rpc/edit_call.h"
 #include "server/rpc/services.h"
 #include "server/translate/annotation_message.h"
-#include "server/translate/annotation_request.h"
 #include "server/translate/page.h"
-#include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
-
-// Makes one change, and sets revision and operation of the response. Returns the edit.
-template <typename Response>
-absl::StatusOr<storage::EditRecord> MakeChange(const Call& call, const RequestedChange& requested,
-                                               const std::string& resource, Response& response) {
-  const auto audit = call.entry.AuditRecordForChange(resource);
-  MOTIONDB_ASSIGN_OR_RETURN(
-      Edited edited, call.engine.Edit(requested.database, {&requested.change, 1}, audit.principal,
-                                      {&audit, call.cancelled}));
-  if (edited.edit.id == 0) call.entry.SetUnchanged();
-  response.set_revision(edited.revision);
-  if (edited.operation) SetOperation(*edited.operation, *response.mutable_operation());
-  return std::move(edited.edit);
-}
 
 absl::Status CreateSegment(const Call& call, const v1::CreateSegmentRequest& request,
                            v1::CreateSegmentResponse& response) {
@@ -86,17 +70,16 @@ absl::Status ListSegmentsPage(const Call& call, const v1::ListSegmentsRequest& r
       const ListedSegments listed,
       ListSegments(*catalog, parent.id, filter, order, {after, static_cast<std::size_t>(size) + 1},
                    call.cancelled));
-  PageBudget budget(size);
-  std::size_t taken = 0;
-  for (const ListedSegment& item : listed.segments) {
-    const auto record = store.GetSegment(parent.database, item.clip->id, item.segment->id);
-    if (!record.ok() && !absl::IsNotFound(record.status())) return record.status();
-    v1::Segment message;
-    if (record.ok()) SetSegment(*record, message);
-    if (!budget.Take(message.ByteSizeLong())) break;
-    if (record.ok()) *response.add_segments() = std::move(message);
-    ++taken;
-  }
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const std::size_t taken,
+      FillPageFromStore(listed.segments, size, *response.mutable_segments(),
+                        [&](const ListedSegment& item, v1::Segment& message) -> absl::Status {
+                          MOTIONDB_ASSIGN_OR_RETURN(
+                              const auto record,
+                              store.GetSegment(parent.database, item.clip->id, item.segment->id));
+                          SetSegment(record, message);
+                          return absl::OkStatus();
+                        }));
   if (taken < listed.segments.size()) {
     const ListedSegment& last = listed.segments[taken - 1];
     response.set_next_page_token(EncodePageToken(scope, order.KeyOf(*last.clip, last.segment)));

@@ -53,6 +53,24 @@ int FillPage(int count, int size, Field& page, const Make& make) {
   return added;
 }
 
+// Like FillPage, for items that make(item, message) reads from the store. An item that was deleted
+// meanwhile, for which it returns NOT_FOUND, is left out. Returns how many items have been used; if
+// it is less than their number, there is a next page.
+template <typename Items, typename Field, typename Make>
+absl::StatusOr<std::size_t> FillPageFromStore(const Items& items, int size, Field& page,
+                                              const Make& make) {
+  PageBudget budget(size);
+  std::size_t used = 0;
+  for (; used < items.size(); ++used) {
+    typename Field::value_type message;
+    const absl::Status made = make(items[used], message);
+    if (!made.ok() && !absl::IsNotFound(made)) return made;
+    if (!budget.Take(message.ByteSizeLong())) break;
+    if (made.ok()) *page.Add() = std::move(message);
+  }
+  return used;
+}
+
 // Like FillPage, for records; position(record) is the position of a record in the list. `records`
 // has up to `size` + 1 records, so that a next page is known. Returns the token of the next page,
 // or an empty string.

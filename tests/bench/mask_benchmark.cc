@@ -17,7 +17,6 @@
 #include "core/estimation/estimate.h"
 #include "core/format/marker_set_file.h"
 #include "core/model/clip_mask.h"
-#include "core/model/relabel.h"
 #include "core/observe/observer.h"
 #include "core/planning/plan.h"
 #include "core/prediction/predict.h"
@@ -193,7 +192,7 @@ absl::StatusOr<BenchTable> MeasureFilters(const FilterOptions& options) {
       labels.push_back({clip.label() + fmt::format(" {}", round), clip.subject});
     }
     const std::clock_t begin = std::clock();
-    const auto relabelled = core::WithLabels(*model, std::move(labels));
+    const auto relabelled = model->WithLabels(std::move(labels));
     if (!relabelled.ok()) return relabelled.status();
     relabel_ms.push_back(1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   }

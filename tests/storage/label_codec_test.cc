@@ -3,8 +3,6 @@
 #include <string>
 
 #include "core/calibration/calibrate.h"
-#include "core/calibration/refit_labels.h"
-#include "core/model/relabel.h"
 #include "storage/blob/byte_stream.h"
 #include "storage/blob/model_codec.h"
 #include "tests/storage/require_ok.h"
@@ -74,7 +72,7 @@ TEST_CASE("RefitLabels: equals a build of the same clips with the new labels",
   const core::Model old = Built(inputs);
   const std::vector<core::ClipLabels> labels = NewLabels(inputs.size());
   const core::Model refitted =
-      Require(core::RefitLabels(Require(core::WithLabels(old, labels)), core::RunSerially, {}));
+      Require(core::RefitLabels(Require(old.WithLabels(labels)), core::RunSerially, {}));
   for (std::size_t c = 0; c < inputs.size(); ++c) {
     inputs[c].labels = labels[c].labels;
     inputs[c].subject = labels[c].subject;

@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/model/relabel.h"
 #include "core/observe/observer.h"
 #include "tests/core/observe/observing.h"
 
@@ -19,7 +18,7 @@ core::Model ModelWithTracks() {
     if (c % 2 == 0) tracks.Set("hands", {{"cup", 30, 50}, {"box", 80, 40}});
     labels.push_back({tracks, ""});
   }
-  auto relabelled = core::WithLabels(model, labels);
+  auto relabelled = model.WithLabels(labels);
   REQUIRE(relabelled.ok());
   return *std::move(relabelled);
 }

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "core/model/relabel.h"
 #include "core/planning/plan.h"
 #include "core/planning/segment_graph.h"
 #include "core/planning/synthesis.h"
@@ -74,7 +73,7 @@ TEST_CASE("Plan: labels select the frames of their spans", "[planning]") {
   std::vector<ClipLabels> labels(WalkingDatabase().clips().size());
   labels[0].labels.Set("gait", {{"left", 0, 50}, {"right", 50, 60}, {"left", 110, 130}});
   labels[1].labels.Set("gait", {{"right", 20, 150}});
-  const auto model = WithLabels(WalkingDatabase(), labels);
+  const auto model = WalkingDatabase().WithLabels(labels);
   REQUIRE(model.ok());
   const Playable playable{.labels = {"left", "right"}, .track = "gait"};
   const auto both = PlayableRanges(*model, playable);

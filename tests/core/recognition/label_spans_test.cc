@@ -8,7 +8,6 @@
 #include "core/graph/generation.h"
 #include "core/inference/lattice.h"
 #include "core/model/label_units.h"
-#include "core/model/relabel.h"
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/recognize.h"
@@ -254,7 +253,7 @@ TEST_CASE("WithLabels: names the new labels and shares the stored states", "[cor
   std::vector<core::ClipLabels> labels(model.clips().size());
   labels[0].labels.Set(core::kActionTrack, {{"sit", 10, 20}, {"stand", 30, 100}});
   labels[1] = {"walk", "someone"};
-  const auto relabelled = core::WithLabels(model, labels);
+  const auto relabelled = model.WithLabels(labels);
   REQUIRE(relabelled.ok());
   CHECK(relabelled->action_units()->labels() == std::vector<std::string>{"sit", "stand", "walk"});
   CHECK(relabelled->clips()[1].label() == "walk");
@@ -266,11 +265,11 @@ TEST_CASE("WithLabels: names the new labels and shares the stored states", "[cor
   CHECK(windows->front().labels.size() == 3);
 
   labels[2].labels.Set("hands", {{"cup", 0, 10'000}});
-  const auto refused = core::WithLabels(model, labels);
+  const auto refused = model.WithLabels(labels);
   CHECK(refused.status().code() == absl::StatusCode::kInvalidArgument);
   CHECK(std::string(refused.status().message()).find("take2") != std::string::npos);
   labels.pop_back();
-  CHECK_FALSE(core::WithLabels(model, labels).ok());
+  CHECK_FALSE(model.WithLabels(labels).ok());
 }
 
 }  // namespace motiondb::tests::label_spans_test

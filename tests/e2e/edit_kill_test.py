@@ -54,8 +54,9 @@ class Store:
             result = self.run(*arguments)
             if result.returncode == 0:
                 return 0, [json.loads(line) for line in result.stdout.splitlines() if line.strip()]
-            lost = ("no motiondb server answered", "connection", "UNAVAILABLE", "Socket closed")
-            if not any(word in result.stderr for word in lost):
+            # What clients report of a server that was killed before, during or after a call.
+            lost = ("is not available", "no motiondb server answered")
+            if not any(words in result.stderr for words in lost):
                 return result.returncode, result.stderr
             time.sleep(0.05)
 
@@ -64,7 +65,7 @@ class Editor(threading.Thread):
     """Creates its part of the segments, one after the other, and counts them in a shared field."""
 
     def __init__(self, store, number, edits, seed):
-        super().__init__()
+        super().__init__(daemon=True)  # a failure ends the test immediately
         self.store = store
         self.number = number
         self.edits = edits
@@ -167,19 +168,21 @@ def main():
         ingested = store.run("ingest", "d", *files, "--label", "walk")
         assert ingested.returncode == 0, ingested.stderr
         state = {"done": False, "objects": {}, "revision": 0, "process": None}
-        follower = threading.Thread(target=watch, args=(store, state))
+        follower = threading.Thread(target=watch, args=(store, state), daemon=True)
         follower.start()
         editors = [Editor(store, k, edits, options.seed) for k in range(CLIENTS)]
         for editor in editors:
             editor.start()
-        while any(editor.is_alive() for editor in editors):
+        running = True
+        while running:
             time.sleep(chance.uniform(0.3, 2) * SLOWNESS)
-            if store.kills < options.kills:
+            running = any(editor.is_alive() for editor in editors)
+            for editor in editors:
+                if editor.failure:
+                    store.server.stop(signal.SIGKILL)
+                    raise editor.failure
+            if running and store.kills < options.kills:
                 store.kill()
-        for editor in editors:
-            editor.join()
-            if editor.failure:
-                raise editor.failure
 
         expected = {name: label for editor in editors for name, label in editor.labels.items()}
         _, listed = store.until_answered("segments", "list", "d", "--filter", "NOT track = action")

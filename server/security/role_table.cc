@@ -33,6 +33,7 @@ constexpr CallRule kRules[] = {
      kFullName, Pool::kChanges},
 
     {"ClipService.IngestClip", kIngester, kChanges, kHeavy, kDatabase, "header.parent"},
+    {"ClipService.UploadClip", kIngester, kChanges, kHeavy, kDatabase, "header.parent"},
     {"ClipService.GetClip", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListClips", kReader, kReads, kLight, kDatabase, "parent"},
     {"ClipService.DeleteClip", kIngester, kChanges, kLight, kDatabase, "name", kFullName,
@@ -72,6 +73,13 @@ constexpr CallRule kRules[] = {
 
     {"ObserveService.Observe", kReader, kReads, kStream, kDatabase, "start.database"},
     {"ObserveService.Represent", kReader, kReads, kLight, kDatabase, "database"},
+    {"ObserveService.ListStreams", kReader, kReads, kLight, kDatabase, "parent"},
+    {"ObserveService.WatchStream", kReader, kReads, kStream, kDatabase, "name"},
+
+    {"ViewService.GetFigure", kReader, kReads, kLight, kDatabase, "name"},
+    {"ViewService.ReadClipMotion", kReader, kReads, kLight, kDatabase, "name"},
+    {"ViewService.ReadStateMap", kReader, kReads, kHeavy, kDatabase, "parent"},
+    {"ViewService.GetNodePoses", kReader, kReads, kLight, kDatabase, "parent"},
 
     {"OperationService.GetOperation", kReader, kReads, kLight, kOperation, "name"},
     {"OperationService.ListOperations", kReader, kReads, kLight, kList, "parent"},
@@ -92,6 +100,10 @@ constexpr CallRule kRules[] = {
     {"StoreService.BackupStore", kAdmin, kCopiesAll, kHeavy, kServer, "", kFullName,
      Pool::kMaintenance},
     {"StoreService.RestoreStore", kAdmin, kChanges, kHeavy, kServer, "", kFullName,
+     Pool::kMaintenance},
+    {"StoreService.ExportDatabase", kReader, kCopiesAll, kHeavy, kDatabase, "name", kFullName,
+     Pool::kMaintenance},
+    {"StoreService.ImportDatabase", kAdmin, kChanges, kHeavy, kServer, "", kFullName,
      Pool::kMaintenance},
 };
 

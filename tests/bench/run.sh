@@ -20,6 +20,7 @@ done
 # Programs that write rows, in the order of the table, with their options for --quick.
 quick_flags=()
 declare -A quick_options=(
+  [annotations]="--listed 10000 --clips 200 --frames 100000"
   [masks]="--clips 200 --frames 100000"
   [parse]="--rounds 3"
   [recognize]="--clips 200 --frames 100000"
@@ -28,7 +29,7 @@ declare -A quick_options=(
   [tree]="--frames 10000,30000"
   [writes]="--clips 60 --frames 30000"
 )
-with_rows=(tree recognize masks scale extend writes server parse)
+with_rows=(tree recognize masks annotations scale extend writes server parse)
 plain=(catalog kinematics plan robot_plan)
 
 ./deploy/install_packages.sh build test >&2

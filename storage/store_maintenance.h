@@ -1,6 +1,7 @@
-// Maintenance of a whole store while it is in use: verify, backup, restore. The returned objects
-// must be destroyed before the store. Only one thread may use an object at a time; several objects
-// may be in use, also concurrently with other calls of the store.
+// Maintenance of a store while it is in use: verify, backup, restore, and export and import of
+// single databases. The returned objects must be destroyed before the store. Only one thread may
+// use an object at a time; several objects may be in use, also concurrently with other calls of the
+// store.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
+#include "storage/access_store.h"
+#include "storage/records.h"
 
 namespace motiondb::storage {
 
@@ -42,7 +45,7 @@ class StoreVerifier {
   virtual const VerifyTotals& totals() const = 0;
 };
 
-// A consistent copy of the store at one moment.
+// A consistent copy of the store, or of one database, at one moment.
 class StoreBackup {
  public:
   virtual ~StoreBackup() = default;
@@ -69,6 +72,36 @@ class StoreRestore {
   virtual absl::Status Finish(const core::Cancelled& cancelled) = 0;
 };
 
+// Content of an exported database.
+struct ExportedDatabase {
+  DatabaseRecord record;  // with the name that it had
+  std::int32_t clip_count = 0;
+  std::int64_t frame_count = 0;
+  std::int64_t byte_count = 0;  // of the blobs of its clips
+};
+
+// Adds an exported database to a store: call Append until its end, then Check, Stage and Publish.
+// Check and Stage poll `cancelled` (Stage may do so on another thread) and return CANCELLED. If the
+// object is destroyed before it has published, or the process ends, the content that Stage stored
+// stays hidden and PurgeDeletedDatabases frees it.
+class DatabaseImport {
+ public:
+  virtual ~DatabaseImport() = default;
+  // INVALID_ARGUMENT if the bytes are not an exported database; RESOURCE_EXHAUSTED if the disk is
+  // full.
+  virtual absl::Status Append(std::string_view bytes) = 0;
+  // Reads and checks the whole file. INVALID_ARGUMENT, with the reason, if it is corrupt or cut off
+  // or does not have exactly one database; FAILED_PRECONDITION if it has a newer version.
+  virtual absl::StatusOr<ExportedDatabase> Check(const core::Cancelled& cancelled) = 0;
+  // Stores the content, hidden, in many short transactions; other writes run between them. Only one
+  // call. FAILED_PRECONDITION if the file was not checked.
+  virtual absl::Status Stage(const core::Cancelled& cancelled) = 0;
+  // Makes the database visible as `database`, atomically. Clips, segments, edits, models and
+  // revisions are those of the exported database; it has no operations. ALREADY_EXISTS if the store
+  // has a database of this name; FAILED_PRECONDITION if the content is not staged.
+  virtual absl::Status Publish(const std::string& database, const WriteOptions& terms = {}) = 0;
+};
+
 class StoreMaintenance {
  public:
   virtual ~StoreMaintenance() = default;
@@ -89,6 +122,12 @@ class StoreMaintenance {
       const core::Cancelled& cancelled) = 0;
   // FAILED_PRECONDITION if the store has databases.
   virtual absl::StatusOr<std::unique_ptr<StoreRestore>> BeginRestore() = 0;
+  // As BeginBackup, for one database: a backup of a store with this database alone, without
+  // operations, tokens and audit entries. NOT_FOUND; DATA_LOSS if a row cannot be read.
+  virtual absl::StatusOr<std::unique_ptr<StoreBackup>> BeginExport(
+      const std::string& database, const core::Cancelled& cancelled) = 0;
+  // While the import stages a database, Finish of a restore returns FAILED_PRECONDITION.
+  virtual absl::StatusOr<std::unique_ptr<DatabaseImport>> BeginImport() = 0;
 };
 
 }  // namespace motiondb::storage

@@ -25,6 +25,10 @@ absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const
 // OK if the clip has none.
 absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key);
 
+// Fills the empty index with the texts of all clips. A clip whose tags are corrupt is found by the
+// rest of its text.
+absl::Status FillClipText(Connection& connection);
+
 // See AnnotationStore::SearchClips.
 absl::StatusOr<std::vector<TextMatch>> SelectTextMatches(Connection& connection,
                                                          const std::string& database,

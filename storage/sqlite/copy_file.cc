@@ -30,7 +30,7 @@ bool IsOfCopy(std::string_view name, const fs::path& store) {
   const std::string prefix = Prefix(store);
   if (!name.starts_with(prefix)) return false;
   name.remove_prefix(prefix.size());
-  for (const std::string_view purpose : {"backup-", "restore-"}) {
+  for (const std::string_view purpose : {"backup-", "restore-", "export-", "import-"}) {
     if (!name.starts_with(purpose)) continue;
     name.remove_prefix(purpose.size());
     const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());

@@ -1,4 +1,5 @@
-// Temporary files of backup and restore beside the store, and copying a store between connections.
+// Temporary files beside the store, of backup, restore, export and import, and copying a store
+// between connections.
 #pragma once
 
 #include <string>
@@ -12,7 +13,7 @@ namespace motiondb::storage {
 // A unique hidden file name beside the store. The destructor deletes the file.
 class CopyFile {
  public:
-  // `purpose` is "backup" or "restore".
+  // `purpose` is "backup", "restore", "export" or "import".
   CopyFile(const std::string& store_path, const std::string& purpose);
   CopyFile(const CopyFile&) = delete;
   CopyFile& operator=(const CopyFile&) = delete;

@@ -35,6 +35,13 @@ absl::Status NoDatabase(const std::string& name) {
                           core::NotFound("database '{}' does not exist", name));
 }
 
+// Names the database in ALREADY_EXISTS of a write.
+absl::Status IfNameIsTaken(const std::string& name, const absl::Status& written) {
+  if (!absl::IsAlreadyExists(written)) return written;
+  return core::WithReason("DATABASE_EXISTS", absl::AlreadyExistsError(fmt::format(
+                                                 "database '{}' already exists", name)));
+}
+
 }  // namespace
 
 absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record) {
@@ -47,11 +54,7 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
               ToText(record.settings.scaling), record.marker_set, record.marker_set_text,
               record.create_time_us, ToText(record.settings.glitches))
           .Run();
-  if (absl::IsAlreadyExists(inserted)) {
-    return core::WithReason("DATABASE_EXISTS", absl::AlreadyExistsError(fmt::format(
-                                                   "database '{}' already exists", record.name)));
-  }
-  MOTIONDB_RETURN_IF_ERROR(inserted);
+  MOTIONDB_RETURN_IF_ERROR(IfNameIsTaken(record.name, inserted));
   return SetRowChecksum(connection, "database", connection.last_insert_key());
 }
 
@@ -84,6 +87,18 @@ absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name
                  key)
           .Run());
   return SetRowChecksum(connection, "database", key);
+}
+
+absl::Status ShowDatabase(Connection& connection, std::int64_t database_key,
+                          const std::string& name) {
+  const absl::Status shown = connection
+                                 .Query(
+                                     "UPDATE database SET deleted = 0, name = ? WHERE "
+                                     "database_key = ? AND deleted = 1",
+                                     name, database_key)
+                                 .Run();
+  MOTIONDB_RETURN_IF_ERROR(IfNameIsTaken(name, shown));
+  return SetRowChecksum(connection, "database", database_key);
 }
 
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name) {

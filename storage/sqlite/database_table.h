@@ -18,6 +18,10 @@ absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connecti
 // Makes a database invisible and its name free; FreeDeletedDatabases removes its content.
 absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name);
 
+// Makes a hidden database, with a free name, visible. ALREADY_EXISTS.
+absl::Status ShowDatabase(Connection& connection, std::int64_t database_key,
+                          const std::string& name);
+
 // Returns the key of a database. NOT_FOUND if it does not exist.
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name);
 

@@ -201,26 +201,32 @@ class Freeing {
   int freed_rows_ = 0;
 };
 
-// Finds the next deleted database after a key; 0 if there is none.
-absl::Status FindDeleted(Connection& connection, std::int64_t after, std::int64_t& key) {
+// Finds the next deleted database after a key that is not staged; 0 if there is none.
+absl::Status FindDeleted(Connection& connection, StagedDatabases& staged, std::int64_t after,
+                         std::int64_t& key) {
   Statement row = connection.Query(
       "SELECT database_key FROM database WHERE deleted = 1 AND database_key > ? "
-      "ORDER BY database_key LIMIT 1",
+      "ORDER BY database_key",
       after);
-  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  key = found ? row.Integer(0) : 0;
-  return absl::OkStatus();
+  key = 0;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return absl::OkStatus();
+    if (staged.Contains(row.Integer(0))) continue;
+    key = row.Integer(0);
+    return absl::OkStatus();
+  }
 }
 
 }  // namespace
 
-absl::Status FreeDeletedDatabases(const TransactionRunner& write,
+absl::Status FreeDeletedDatabases(const TransactionRunner& write, StagedDatabases& staged,
                                   const core::Cancelled& cancelled) {
   absl::Status data_loss;
   std::int64_t key = 0;
   while (true) {
     MOTIONDB_RETURN_IF_ERROR(
-        write([&](Connection& connection) { return FindDeleted(connection, key, key); }));
+        write([&](Connection& connection) { return FindDeleted(connection, staged, key, key); }));
     if (key == 0) return data_loss;
     const absl::Status freed = Freeing(key, write, cancelled).Run();
     if (!freed.ok() && !absl::IsDataLoss(freed)) return freed;

@@ -6,6 +6,7 @@
 #include "absl/status/status.h"
 #include "core/motion/cancellation.h"
 #include "storage/sqlite/connection.h"
+#include "storage/sqlite/staged_databases.h"
 
 namespace motiondb::storage {
 
@@ -13,7 +14,9 @@ namespace motiondb::storage {
 using TransactionRunner =
     std::function<absl::Status(const std::function<absl::Status(Connection&)>& piece)>;
 
-// See MotionStore::PurgeDeletedDatabases. Polls `cancelled` between the transactions.
-absl::Status FreeDeletedDatabases(const TransactionRunner& write, const core::Cancelled& cancelled);
+// See MotionStore::PurgeDeletedDatabases. Leaves the staged ones. Polls `cancelled` between the
+// transactions.
+absl::Status FreeDeletedDatabases(const TransactionRunner& write, StagedDatabases& staged,
+                                  const core::Cancelled& cancelled);
 
 }  // namespace motiondb::storage

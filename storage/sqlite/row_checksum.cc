@@ -147,6 +147,10 @@ std::span<const std::string_view> CheckedTables() {
   return kNames;
 }
 
+std::string_view ChecksumColumns(std::string_view table) {
+  return kTables[static_cast<std::size_t>(IndexOf(table))].columns;
+}
+
 absl::StatusOr<std::vector<ChangedRow>> FindChangedRows(Connection& connection,
                                                         std::string_view table) {
   const CheckedTable& checked = kTables[static_cast<std::size_t>(IndexOf(table))];

@@ -26,6 +26,8 @@ int AddChecksumFunction(sqlite3* database);
 absl::Status SetRowChecksum(Connection& connection, std::string_view table, std::int64_t key);
 
 std::span<const std::string_view> CheckedTables();
+// Returns all columns of a checked table but `row_crc`, separated by ", ". The first is the key.
+std::string_view ChecksumColumns(std::string_view table);
 
 // A row whose checksum does not match its columns.
 struct ChangedRow {

@@ -4,13 +4,18 @@
 #include <filesystem>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/clip_search.h"
+#include "storage/sqlite/database_copy.h"
+#include "storage/sqlite/database_table.h"
+#include "storage/sqlite/store_file.h"
+#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 
 absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::Make(Connection& reader,
                                                                  const std::string& store_path,
                                                                  const core::Cancelled& cancelled) {
-  std::unique_ptr<SqliteBackup> backup(new SqliteBackup(store_path));
+  std::unique_ptr<SqliteBackup> backup(new SqliteBackup(store_path, "backup"));
   const std::string& path = backup->file_.path();
   {
     MOTIONDB_ASSIGN_OR_RETURN(
@@ -21,14 +26,47 @@ absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::Make(Connection& rea
     MOTIONDB_RETURN_IF_ERROR(reader.QueryInteger("SELECT count(*) FROM database").status());
     MOTIONDB_RETURN_IF_ERROR(CopyPages(reader, *copy, cancelled));
   }
-  std::error_code error;
-  backup->file_bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
-  backup->stream_.open(path, std::ios::binary);
-  if (error || !backup->stream_) {
-    return absl::UnavailableError(fmt::format("cannot read the copy of the store, '{}'", path));
-  }
-  backup->file_.Remove();  // the open stream can still read it
+  MOTIONDB_RETURN_IF_ERROR(backup->OpenCopy());
   return backup;
+}
+
+absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::MakeExport(
+    Connection& reader, const std::string& database, const std::string& store_path,
+    const DiskReserve& reserve, const core::Cancelled& cancelled) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(reader, database));
+  std::unique_ptr<SqliteBackup> backup(new SqliteBackup(store_path, "export"));
+  {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto copy, OpenWriter(backup->file_.path(), ""));
+    // The copy need not survive a crash, and may contain what is corrupt: an import finds it.
+    MOTIONDB_RETURN_IF_ERROR(
+        copy->Execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; "
+                      "PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON"));
+    DatabaseCopy rows(reader, key, DatabaseCopy::Keys::kSame);
+    for (bool more = true; more;) {
+      if (cancelled && cancelled()) {
+        return absl::CancelledError("cancelled while the database was copied");
+      }
+      MOTIONDB_RETURN_IF_ERROR(reserve.CheckTemporaryFile(DatabaseCopy::kStepBytes));
+      MOTIONDB_ASSIGN_OR_RETURN(
+          more, InTransaction(*copy, Transaction::Kind::kWrite,
+                              [&](Connection& target) { return rows.Step(target); }));
+    }
+    MOTIONDB_RETURN_IF_ERROR(InTransaction(*copy, Transaction::Kind::kWrite, FillClipText));
+  }
+  MOTIONDB_RETURN_IF_ERROR(backup->OpenCopy());
+  return backup;
+}
+
+absl::Status SqliteBackup::OpenCopy() {
+  std::error_code error;
+  file_bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(file_.path(), error));
+  stream_.open(file_.path(), std::ios::binary);
+  if (error || !stream_) {
+    return absl::UnavailableError(
+        fmt::format("cannot read the copy of the store, '{}'", file_.path()));
+  }
+  file_.Remove();  // the open stream can still read it
+  return absl::OkStatus();
 }
 
 std::int64_t SqliteBackup::total_bytes() const {

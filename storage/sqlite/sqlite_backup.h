@@ -1,5 +1,6 @@
-// Backup of an SQLite store. First all pages are copied to a file beside the store: otherwise the
-// read transaction would last as long as the slowest client, and the log could not be emptied.
+// Backup of an SQLite store, or of one of its databases. First all pages, or rows, are copied to a
+// file beside the store: otherwise the read transaction would last as long as the slowest client,
+// and the log could not be emptied.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +13,7 @@
 #include "storage/blob/checksums.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/copy_file.h"
+#include "storage/sqlite/disk_reserve.h"
 #include "storage/store_maintenance.h"
 
 namespace motiondb::storage {
@@ -23,12 +25,21 @@ class SqliteBackup final : public StoreBackup {
   static absl::StatusOr<std::unique_ptr<SqliteBackup>> Make(Connection& reader,
                                                             const std::string& store_path,
                                                             const core::Cancelled& cancelled);
+  // The same, of one database. The copy leaves `reserve` free.
+  static absl::StatusOr<std::unique_ptr<SqliteBackup>> MakeExport(Connection& reader,
+                                                                  const std::string& database,
+                                                                  const std::string& store_path,
+                                                                  const DiskReserve& reserve,
+                                                                  const core::Cancelled& cancelled);
 
   std::int64_t total_bytes() const override;
   absl::StatusOr<bool> Read(std::string& block) override;
 
  private:
-  explicit SqliteBackup(const std::string& store_path) : file_(store_path, "backup") {}
+  SqliteBackup(const std::string& store_path, const std::string& purpose)
+      : file_(store_path, purpose) {}
+  // Opens the complete copy.
+  absl::Status OpenCopy();
 
   CopyFile file_;
   std::ifstream stream_;

@@ -50,7 +50,7 @@ absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
 
 absl::Status SqliteMotionStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
   const auto write = [this](const auto& piece) { return Write(Priority::kBackground, piece); };
-  return FreeDeletedDatabases(write, cancelled);
+  return FreeDeletedDatabases(write, staged_, cancelled);
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {

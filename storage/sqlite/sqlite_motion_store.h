@@ -19,6 +19,7 @@
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/file_identity.h"
 #include "storage/sqlite/reader_pool.h"
+#include "storage/sqlite/staged_databases.h"
 #include "storage/sqlite/store_lock.h"
 #include "storage/sqlite/transaction.h"
 #include "storage/sqlite/write_health.h"
@@ -143,10 +144,13 @@ class SqliteMotionStore final : public MotionStore,
   std::vector<Corruption> FoundAtOpening() const override { return found_at_opening_; }
   absl::Status CheckFile() override;
   absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) override;
-  // BeginBackup and BeginRestore return FAILED_PRECONDITION for a store in memory.
+  // The following return FAILED_PRECONDITION for a store in memory.
   absl::StatusOr<std::unique_ptr<StoreBackup>> BeginBackup(
       const core::Cancelled& cancelled) override;
   absl::StatusOr<std::unique_ptr<StoreRestore>> BeginRestore() override;
+  absl::StatusOr<std::unique_ptr<StoreBackup>> BeginExport(
+      const std::string& database, const core::Cancelled& cancelled) override;
+  absl::StatusOr<std::unique_ptr<DatabaseImport>> BeginImport() override;
 
  private:
   struct Files {
@@ -211,6 +215,7 @@ class SqliteMotionStore final : public MotionStore,
   std::unique_ptr<ReaderPool> readers_;  // null for a store in memory: the writer reads it
   std::function<std::int64_t()> now_us_;
   WriteHealth write_health_;
+  StagedDatabases staged_;
   Mutex models_mutex_;  // serializes PutModel and DropModel
 };
 

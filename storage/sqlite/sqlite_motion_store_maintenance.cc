@@ -7,6 +7,7 @@
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/sqlite_backup.h"
+#include "storage/sqlite/sqlite_import.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "storage/sqlite/sqlite_motion_store_work.h"
 #include "storage/sqlite/sqlite_restore.h"
@@ -109,11 +110,33 @@ absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() 
                              });
 }
 
+absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginExport(
+    const std::string& database, const core::Cancelled& cancelled) {
+  if (path_.empty()) return core::FailedPrecondition("cannot export from a store in memory");
+  return Read([&](Connection& reader) -> absl::StatusOr<std::unique_ptr<StoreBackup>> {
+    return SqliteBackup::MakeExport(reader, database, path_, reserve_, cancelled);
+  });
+}
+
+absl::StatusOr<std::unique_ptr<DatabaseImport>> SqliteMotionStore::BeginImport() {
+  if (path_.empty()) return core::FailedPrecondition("cannot import into a store in memory");
+  MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
+  return SqliteImport::Make(path_, reserve_, staged_,
+                            [this](Priority priority, const WriteOptions& terms,
+                                   std::int64_t added_bytes, const SqliteImport::Piece& piece) {
+                              return WriteWith(terms, piece, Added(added_bytes), priority);
+                            });
+}
+
 absl::Status SqliteMotionStore::ReplaceContent(Connection& backup,
                                                const core::Cancelled& cancelled) {
   return writer_->Run(Priority::kOrdinary, cancelled, [&](Connection& writer) -> absl::Status {
     MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, {}));
     MOTIONDB_RETURN_IF_ERROR(CheckHasNoDatabases(writer));
+    if (!staged_.IsEmpty()) {
+      return core::FailedPrecondition(
+          "a database is being imported: restore a backup into an empty store");
+    }
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(backup));
     MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, bytes));
     MOTIONDB_RETURN_IF_ERROR(CopyAccessRecords(writer, backup));

@@ -1,18 +1,12 @@
-// Restore of a backup into an SQLite store. The backup is written to a file beside the store,
-// checked there, and copied into the store by the writer in one transaction.
+// Restore of a backup into an SQLite store. The backup is received and checked in a file beside the
+// store, and copied into the store by the writer in one transaction.
 #pragma once
 
-#include <cstdint>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "storage/blob/checksums.h"
-#include "storage/sqlite/connection.h"
-#include "storage/sqlite/copy_file.h"
-#include "storage/sqlite/disk_reserve.h"
-#include "storage/sqlite/file_identity.h"
+#include "storage/sqlite/received_store.h"
 #include "storage/store_maintenance.h"
 
 namespace motiondb::storage {
@@ -27,26 +21,15 @@ class SqliteRestore final : public StoreRestore {
                                                              const DiskReserve& reserve,
                                                              ReplaceContent take_over);
 
-  absl::Status Append(std::string_view bytes) override;
+  absl::Status Append(std::string_view bytes) override { return received_->Append(bytes); }
   absl::Status Check(const core::Cancelled& cancelled) override;
   absl::Status Finish(const core::Cancelled& cancelled) override;
 
  private:
-  SqliteRestore(const std::string& store_path, const DiskReserve& reserve, ReplaceContent take_over)
-      : reserve_(reserve), file_(store_path, "restore"), take_over_(std::move(take_over)) {}
-  absl::Status Write(std::string_view bytes);
-  absl::Status CheckSum();
-  // UNAVAILABLE if the received file was moved, replaced or changed.
-  absl::Status CheckIsThere() const;
+  SqliteRestore(std::unique_ptr<ReceivedStore> received, ReplaceContent take_over)
+      : received_(std::move(received)), take_over_(std::move(take_over)) {}
 
-  const DiskReserve reserve_;
-  CopyFile file_;
-  std::ofstream stream_;
-  FileIdentity opened_;
-  std::int64_t written_bytes_ = 0;
-  Sha256 digest_;
-  std::string tail_;  // the last received bytes, which may be the trailer
-  bool begun_ = false;
+  const std::unique_ptr<ReceivedStore> received_;
   std::unique_ptr<Connection> checked_;  // connection to the backup; null before Check
   const ReplaceContent take_over_;
 };

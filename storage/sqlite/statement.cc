@@ -30,6 +30,11 @@ void Statement::Bind(std::span<const std::byte> blob) {
 
 void Statement::Bind(std::nullptr_t) { Note(sqlite3_bind_null(handle_.get(), next_parameter_++)); }
 
+void Statement::BindColumn(const Statement& row, int column) {
+  Note(sqlite3_bind_value(handle_.get(), next_parameter_++,
+                          sqlite3_column_value(row.handle_.get(), column)));
+}
+
 void Statement::BindInteger(std::int64_t value) {
   Note(sqlite3_bind_int64(handle_.get(), next_parameter_++, value));
 }

@@ -44,6 +44,8 @@ class Statement {
   void Bind(const char* text) { Bind(std::string_view(text)); }
   void Bind(std::span<const std::byte> blob);
   void Bind(std::nullptr_t);
+  // Binds a copy of a column of another statement's row.
+  void BindColumn(const Statement& row, int column);
   // Binds NULL if there is no value.
   template <typename Value>
   void Bind(const std::optional<Value>& value) {
@@ -70,6 +72,9 @@ class Statement {
   }
   bool IsNull(int column) const {
     return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL;
+  }
+  bool IsBlob(int column) const {
+    return sqlite3_column_type(handle_.get(), column) == SQLITE_BLOB;
   }
   double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
   std::string Text(int column) const;

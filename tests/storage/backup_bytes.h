@@ -1,4 +1,4 @@
-// Backup and restore of a store as a string.
+// Backup and restore of a store, and export and import of a database, as a string.
 #pragma once
 
 #include <string>
@@ -10,16 +10,42 @@
 
 namespace motiondb::tests {
 
-inline std::string Backup(storage::MotionStore& store) {
-  const auto backup = Require(store.maintenance().BeginBackup({}));
+// Returns any bytes as a backup with a valid checksum.
+inline std::string Sealed(std::string bytes) {
+  bytes += storage::kBackupMark;
+  storage::Sha256 digest;
+  digest.Update(bytes);
+  return bytes + digest.Finish();
+}
+
+inline std::string BytesOf(storage::StoreBackup& backup) {
   std::string bytes;
   std::string block;
-  while (Require(backup->Read(block))) {
+  while (Require(backup.Read(block))) {
     REQUIRE(block.size() <= storage::kBackupBlockBytes);
     bytes += block;
   }
-  REQUIRE(static_cast<std::int64_t>(bytes.size()) == backup->total_bytes());
+  REQUIRE(static_cast<std::int64_t>(bytes.size()) == backup.total_bytes());
   return bytes;
+}
+
+inline std::string Backup(storage::MotionStore& store) {
+  return BytesOf(*Require(store.maintenance().BeginBackup({})));
+}
+
+inline std::string Export(storage::MotionStore& store, const std::string& database) {
+  return BytesOf(*Require(store.maintenance().BeginExport(database, {})));
+}
+
+inline absl::Status Import(storage::MotionStore& store, std::string_view bytes,
+                           const std::string& database,
+                           const storage::AuditRecord* audit = nullptr) {
+  auto import = store.maintenance().BeginImport();
+  if (!import.ok()) return import.status();
+  absl::Status status = (*import)->Append(bytes);
+  if (status.ok()) status = (*import)->Check({}).status();
+  if (status.ok()) status = (*import)->Stage({});
+  return status.ok() ? (*import)->Publish(database, {audit, {}}) : status;
 }
 
 inline absl::Status Restore(storage::MotionStore& store, std::string_view bytes,

@@ -66,11 +66,24 @@ TEST_CASE("Restore: keeps the reserve free", "[storage][reserve]") {
   REQUIRE_ERROR(restore->Append(Backup(*source)), StatusCode::kResourceExhausted, kRefusal);
 }
 
+TEST_CASE("Import: keeps the reserve free", "[storage][reserve]") {
+  const StoreFile from;
+  const auto source = from.Open();
+  REQUIRE_OK(source->CreateDatabase(SampleDatabase("d")));
+  const StoreFile to;
+  const auto target = to.Open(MoreThanThereIs());
+  REQUIRE_ERROR(Import(*target, Export(*source, "d"), "d"), StatusCode::kResourceExhausted,
+                kRefusal);
+  REQUIRE(Require(target->ListDatabases({})).empty());
+}
+
 TEST_CASE("Backup: the copy keeps the reserve free", "[storage][reserve]") {
   const StoreFile file;
   REQUIRE_OK(file.Open()->CreateDatabase(SampleDatabase("d")));
   const auto store = file.Open(MoreThanThereIs());
   REQUIRE_ERROR(store->maintenance().BeginBackup({}), StatusCode::kResourceExhausted, kRefusal);
+  REQUIRE_ERROR(store->maintenance().BeginExport("d", {}), StatusCode::kResourceExhausted,
+                kRefusal);
 }
 
 TEST_CASE("SqliteMotionStore: a store in memory ignores the reserve", "[storage][reserve]") {

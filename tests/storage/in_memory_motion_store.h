@@ -20,9 +20,13 @@
 
 namespace motiondb::tests {
 
-// Maintenance of a store in memory: not supported.
-class NoMaintenance final : public storage::StoreMaintenance {
+class InMemoryMotionStore;
+
+// Maintenance of a store in memory: only export and import. The bytes of an export are the name of
+// the database in a list that all these stores share.
+class InMemoryMaintenance final : public storage::StoreMaintenance {
  public:
+  explicit InMemoryMaintenance(InMemoryMotionStore& store) : store_(store) {}
   absl::Status CheckIsWritable() const override { return absl::OkStatus(); }
   std::vector<storage::Corruption> FoundAtOpening() const override { return {}; }
   absl::Status CheckFile() override { return absl::OkStatus(); }
@@ -36,6 +40,12 @@ class NoMaintenance final : public storage::StoreMaintenance {
   absl::StatusOr<std::unique_ptr<storage::StoreRestore>> BeginRestore() override {
     return absl::UnimplementedError("kept in memory");
   }
+  absl::StatusOr<std::unique_ptr<storage::StoreBackup>> BeginExport(
+      const std::string& database, const core::Cancelled& cancelled) override;
+  absl::StatusOr<std::unique_ptr<storage::DatabaseImport>> BeginImport() override;
+
+ private:
+  InMemoryMotionStore& store_;
 };
 
 class InMemoryMotionStore final : public storage::MotionStore, public storage::AnnotationStore {
@@ -129,6 +139,9 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
   storage::StoreMaintenance& maintenance() override { return maintenance_; }
 
  private:
+  friend class InMemoryMaintenance;
+  friend class InMemoryImport;
+  friend struct InMemoryExport;
   using Segments = std::vector<storage::SegmentRecord>;
   struct Tombstone {
     std::int64_t revision = 0;
@@ -171,6 +184,8 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
   absl::StatusOr<storage::EditRecord> Make(Database& in, const Plan& plan,
                                            const std::string& author,
                                            const storage::WriteOptions& terms);
+  // Adds a copy of a database under another name.
+  absl::Status AddCopy(Database copy, const std::string& name, const storage::WriteOptions& terms);
   absl::Status Note(const storage::WriteOptions& terms);
   absl::StatusOr<Database*> Find(const std::string& database);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);
@@ -180,7 +195,7 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
   std::map<std::string, Database> databases_;
   std::vector<storage::OperationRecord> operations_;  // oldest first
   InMemoryAccessStore access_;
-  NoMaintenance maintenance_;
+  InMemoryMaintenance maintenance_{*this};
 };
 
 }  // namespace motiondb::tests

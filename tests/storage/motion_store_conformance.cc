@@ -6,6 +6,7 @@
 #include "tests/storage/access_store_conformance.h"
 #include "tests/storage/annotation_conformance.h"
 #include "tests/storage/clip_conformance.h"
+#include "tests/storage/exported_database_conformance.h"
 #include "tests/storage/model_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
@@ -146,6 +147,7 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
     TestRandomEdits(*store, 1, 60);
   }
   SECTION("replicas follow random changes") { TestReplicas(*store, 1, 60); }
+  SECTION("a database is exported and imported") { TestExportedDatabases(*store); }
   SECTION("tokens are stored") { TestTokens(*store); }
   SECTION("audit entries are stored and listed newest first") { TestAudit(*store); }
   SECTION("an audit entry is stored only with its change") { TestAuditOfChanges(*store); }

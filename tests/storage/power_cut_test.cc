@@ -358,6 +358,23 @@ TEST_CASE("Faults: a restore", "[storage][power]") {
   RunAll({FileOf(fill), [&](Store& store) { return Restore(store, backup); }});
 }
 
+TEST_CASE("Faults: an import", "[storage][power]") {
+  const StoreFile from;
+  const auto source = from.Open(Options(""));
+  FillWithModel(*source);
+  const std::string exported = Export(*source, "d");
+  const auto rest = [](Store& store, const StoreFile& file) {
+    REQUIRE_OK(store.PurgeDeletedDatabases({}));
+    const bool is_imported = store.GetDatabase("copy").ok();
+    REQUIRE(file.Sql("SELECT count(*) FROM database") == (is_imported ? "2" : "1"));
+    REQUIRE(file.Sql("SELECT count(DISTINCT clip_key) FROM clip_chunk") ==
+            file.Sql("SELECT count(*) FROM clip"));
+    REQUIRE(Findings(store).empty());
+  };
+  RunAll({FileOf(FillWithModel),
+          [&](Store& store) { return Import(store, exported, "copy", &kEntry); }, rest});
+}
+
 TEST_CASE("Faults: a token", "[storage][power]") {
   const auto add = [](Store& store) {
     return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, {&kEntry});

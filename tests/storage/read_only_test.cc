@@ -41,6 +41,7 @@ void RequireUnchangeable(storage::SqliteMotionStore& store) {
   REQUIRE_ERROR(store.DropModel("d"), kCode, kWhy);
   REQUIRE_ERROR(store.access().AddToken({.id = "t"}), kCode, kWhy);
   REQUIRE_ERROR(store.maintenance().BeginRestore(), kCode, kWhy);
+  REQUIRE_ERROR(store.maintenance().BeginImport(), kCode, kWhy);
   REQUIRE_OK(store.maintenance().CheckFile());
 }
 

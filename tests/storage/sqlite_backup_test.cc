@@ -25,14 +25,6 @@ namespace {
 using absl::StatusCode;
 using Store = storage::SqliteMotionStore;
 
-// Returns any bytes as a backup with a valid checksum.
-std::string Sealed(std::string bytes) {
-  bytes += storage::kBackupMark;
-  storage::Sha256 digest;
-  digest.Update(bytes);
-  return bytes + digest.Finish();
-}
-
 void Fill(storage::MotionStore& store) {
   REQUIRE_OK(store.CreateDatabase(SampleDatabase("d")));
   REQUIRE_OK(store.AddClip(SampleClip("d", "a", 1)));
@@ -41,17 +33,6 @@ void Fill(storage::MotionStore& store) {
   REQUIRE_OK(store.PutOperation(SampleOperation("d", "op")));
   REQUIRE_OK(store.access().AddToken({.id = "robot", .salt = "s", .secret_hash = "old"}));
   REQUIRE_OK(store.access().AddAuditRecord({.request_id = "from the backup"}));
-}
-
-// Returns the names of the files in the store's folder that do not belong to the store.
-std::string OtherFiles(const StoreFile& file) {
-  std::string names;
-  for (const auto& entry : std::filesystem::directory_iterator(file.folder())) {
-    const std::string name = entry.path().filename().string();
-    if (name == "store.db" || name == "store.db-wal" || name == "store.db-shm") continue;
-    if (name != "store.db-lock") names += name + " ";
-  }
-  return names;
 }
 
 std::string SomeBackup() {
@@ -68,11 +49,11 @@ TEST_CASE("Backup: a restore returns the same content", "[storage][backup]") {
   const auto source = from.Open();
   Fill(*source);
   const std::string bytes = Backup(*source);
-  REQUIRE(OtherFiles(from).empty());
+  REQUIRE(from.OtherFiles().empty());
   const StoreFile to;
   auto target = to.Open();
   REQUIRE_OK(Restore(*target, bytes, GENERATE(1'000'000, 37)));
-  REQUIRE(OtherFiles(to).empty());
+  REQUIRE(to.OtherFiles().empty());
   REQUIRE(Dump(*target) == Dump(*source));
   REQUIRE(Findings(*target).empty());
   // The target is a normal store, also after reopening.
@@ -178,7 +159,7 @@ TEST_CASE("Restore: a corrupt backup is refused and changes nothing", "[storage]
   const auto refused = [&](const std::string& corrupt, const std::string& text) {
     REQUIRE_ERROR(Restore(*target, corrupt), StatusCode::kInvalidArgument, text);
     REQUIRE(Dump(*target) == before);
-    REQUIRE(OtherFiles(to).empty());
+    REQUIRE(to.OtherFiles().empty());
   };
   SECTION("a flipped bit anywhere") {
     std::mt19937 random(7);
@@ -273,7 +254,7 @@ TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][back
   }
   REQUIRE(Dump(*target) == before);
   REQUIRE(Findings(*target).empty());
-  REQUIRE(OtherFiles(to).empty());
+  REQUIRE(to.OtherFiles().empty());
   REQUIRE_OK(Restore(*target, bytes));
 }
 
@@ -299,7 +280,8 @@ TEST_CASE("Backup: temporary files of a killed process are deleted", "[storage][
   const StoreFile file;
   { file.Open(); }
   for (const char* const name :
-       {".store.db.backup-3", ".store.db.restore-1", ".store.db.restore-1-wal"}) {
+       {".store.db.backup-3", ".store.db.restore-1", ".store.db.restore-1-wal",
+        ".store.db.export-2-wal", ".store.db.import-12"}) {
     std::ofstream(file.folder() / name) << "left";
   }
   // Names that a user may choose for a copy.
@@ -307,7 +289,7 @@ TEST_CASE("Backup: temporary files of a killed process are deleted", "[storage][
   std::ofstream(file.folder() / kept) << "not ours";
   const auto store = file.Open();
   REQUIRE_OK(store->maintenance().BeginBackup({}));
-  REQUIRE(OtherFiles(file) == kept + " ");
+  REQUIRE(file.OtherFiles() == kept + " ");
 }
 
 TEST_CASE("Backup: temporary files of another store stay", "[storage][backup]") {
@@ -318,7 +300,7 @@ TEST_CASE("Backup: temporary files of another store stay", "[storage][backup]") 
                                     ".store.db.restore-1-other", ".store.db.restore-x");
   std::ofstream(file.folder() / kept) << "not ours";
   file.Open();
-  REQUIRE(OtherFiles(file) == kept + " ");
+  REQUIRE(file.OtherFiles() == kept + " ");
 }
 
 TEST_CASE("Restore: reports that its temporary file is missing or was replaced",
@@ -328,7 +310,7 @@ TEST_CASE("Restore: reports that its temporary file is missing or was replaced",
   const auto target = file.Open();
   const auto restore = Require(target->maintenance().BeginRestore());
   REQUIRE_OK(restore->Append(bytes));
-  const std::string name = OtherFiles(file);
+  const std::string name = file.OtherFiles();
   const auto path = file.folder() / name.substr(0, name.size() - 1);
   std::string expected = "gone";
   SECTION("gone") { std::filesystem::remove(path); }
@@ -353,7 +335,7 @@ TEST_CASE("Backup: can be cancelled", "[storage][backup]") {
   Fill(*store);
   REQUIRE_ERROR(store->maintenance().BeginBackup([] { return true; }), StatusCode::kCancelled,
                 "cancelled while the store was copied");
-  REQUIRE(OtherFiles(file).empty());
+  REQUIRE(file.OtherFiles().empty());
   const auto memory = Require(Store::Open(":memory:"));
   REQUIRE_ERROR(memory->maintenance().BeginBackup({}), StatusCode::kFailedPrecondition, "memory");
   REQUIRE_ERROR(memory->maintenance().BeginRestore(), StatusCode::kFailedPrecondition, "memory");

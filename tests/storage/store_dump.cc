@@ -9,8 +9,17 @@
 namespace motiondb::tests {
 namespace {
 
+std::string DumpOperation(const storage::OperationRecord& operation) {
+  return operation.id + " " + std::to_string(static_cast<int>(operation.state)) + " " +
+         std::to_string(operation.progress) + operation.stage + " " +
+         std::to_string(operation.model_version) + " " + std::to_string(operation.error_code) +
+         operation.error_message + " " + std::to_string(operation.update_time_us);
+}
+
+}  // namespace
+
 std::string DumpDatabase(storage::MotionStore& store, const std::string& database) {
-  std::string text = database + ":";
+  std::string text;
   for (const auto& clip : Require(store.ListClips(database, {}))) {
     const auto source = Require(store.ReadClipSource(database, clip.id));
     text += clip.id + " " + clip.skeleton_id + " " + clip.source_report + clip.derive_error +
@@ -36,19 +45,10 @@ std::string DumpDatabase(storage::MotionStore& store, const std::string& databas
   return text;
 }
 
-std::string DumpOperation(const storage::OperationRecord& operation) {
-  return operation.id + " " + std::to_string(static_cast<int>(operation.state)) + " " +
-         std::to_string(operation.progress) + operation.stage + " " +
-         std::to_string(operation.model_version) + " " + std::to_string(operation.error_code) +
-         operation.error_message + " " + std::to_string(operation.update_time_us);
-}
-
-}  // namespace
-
 std::string Dump(storage::MotionStore& store) {
   std::string text;
   for (const auto& database : Require(store.ListDatabases({}))) {
-    text += DumpDatabase(store, database.name);
+    text += database.name + ":" + DumpDatabase(store, database.name);
   }
   for (const auto& operation : Require(store.ListOperations("", "", 100))) {
     text += DumpOperation(operation);

@@ -10,6 +10,9 @@ namespace motiondb::tests {
 // Requires that everything can be read; models may be missing.
 std::string Dump(storage::MotionStore& store);
 
+// The same of one database, without its name and its operations.
+std::string DumpDatabase(storage::MotionStore& store, const std::string& database);
+
 // Returns the findings of a verification, one per line; empty if nothing is corrupt.
 std::string Findings(storage::MotionStore& store);
 

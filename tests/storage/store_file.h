@@ -31,6 +31,18 @@ class StoreFile {
       storage::SqliteOptions options = {}) const {
     return storage::SqliteMotionStore::Open(path(), std::move(options));
   }
+  // Returns the names of the files in the folder that do not belong to the store, each with a
+  // space.
+  std::string OtherFiles() const {
+    std::string names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (name == "store.db" || name == "store.db-wal" || name == "store.db-shm") continue;
+      if (name != "store.db-lock") names += name + " ";
+    }
+    return names;
+  }
+
   std::unique_ptr<storage::SqliteMotionStore> Open(storage::SqliteOptions options = {}) const {
     return Require(TryOpen(std::move(options)));
   }

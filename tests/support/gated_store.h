@@ -58,6 +58,15 @@ class GatedMaintenance final : public storage::StoreMaintenance {
     gate_.Pass();
     return maintenance_.BeginRestore();
   }
+  absl::StatusOr<std::unique_ptr<storage::StoreBackup>> BeginExport(
+      const std::string& database, const core::Cancelled& cancelled) override {
+    gate_.Pass();
+    return maintenance_.BeginExport(database, cancelled);
+  }
+  absl::StatusOr<std::unique_ptr<storage::DatabaseImport>> BeginImport() override {
+    gate_.Pass();
+    return maintenance_.BeginImport();
+  }
 
  private:
   storage::StoreMaintenance& maintenance_;

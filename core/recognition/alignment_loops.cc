@@ -198,4 +198,40 @@ double Advance(const double* ending, const float* roots, int count, double stay,
   return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
 }
 
+namespace {
+
+constexpr int kWarpedSteps[] = {2, 0};  // to stay and to skip, as places before the row
+
+}  // namespace
+
+MOTIONDB_WIDEST_VECTORS
+void ExtendCheapest(const float* cost, const int* start, const float* squared, int count,
+                    float warp, float* next_cost, int* next_start) {
+  int z = 0;
+  for (; z + kFloats <= count; z += kFloats) {
+    Floats least = Load(cost + z + 1);
+    Ints from = LoadAs<Ints>(start + z + 1);
+    for (const int other : kWarpedSteps) {
+      const Floats warped = Load(cost + z + other) + warp;
+      const Ints is_less = warped < least;
+      least = is_less ? warped : least;
+      from = is_less ? LoadAs<Ints>(start + z + other) : from;
+    }
+    Store(least + Load(squared + z), next_cost + z);
+    Store(from, next_start + z);
+  }
+  for (; z < count; ++z) {
+    int from = 1;
+    float least = cost[z + 1];
+    for (const int other : kWarpedSteps) {
+      const float warped = cost[z + other] + warp;
+      if (!(warped < least)) continue;
+      least = warped;
+      from = other;
+    }
+    next_cost[z] = least + squared[z];
+    next_start[z] = start[z + from];
+  }
+}
+
 }  // namespace motiondb::core

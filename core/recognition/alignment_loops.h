@@ -30,4 +30,11 @@ float Roots(const float* squared, int count, float nearest, float scale, float* 
 double Advance(const double* ending, const float* roots, int count, double stay, double go,
                double skip, double* next);
 
+// Extends the cheapest paths by one observed frame. A path arrives at z < count from z (stays) or
+// z - 2 (skips), at the extra cost `warp`, or from z - 1. `cost` and `start`: of the paths that end
+// at z, after two unreachable ones of infinite cost. Writes next_cost[z], with squared[z] added,
+// and the start of that path.
+void ExtendCheapest(const float* cost, const int* start, const float* squared, int count,
+                    float warp, float* next_cost, int* next_start);
+
 }  // namespace motiondb::core

@@ -17,7 +17,9 @@ constexpr int kNearNodes = 64;
 
 }  // namespace
 
-bool ListsAll(int clip_count) { return clip_count <= static_cast<int>(kMaxShortlisted); }
+bool ListsAll(int clip_count, std::size_t max_clips) {
+  return static_cast<std::size_t>(clip_count) <= max_clips;
+}
 
 std::vector<int> ShortlistFrames(int frames) { return SpreadEvenly(frames, kMaxSearchedFrames); }
 
@@ -61,15 +63,15 @@ void ClipRanking::Add(const std::vector<NearClip>& near) {
   }
 }
 
-std::vector<int> ClipRanking::TakeShortlist(const ClipMask* mask) {
+std::vector<int> ClipRanking::TakeShortlist(const ClipMask* mask, std::size_t max_clips) {
   std::vector<int> shortlist = found_;
-  const auto kept = std::min(kMaxShortlisted, shortlist.size());
+  const auto kept = std::min(max_clips, shortlist.size());
   std::partial_sort(
       shortlist.begin(), shortlist.begin() + static_cast<std::ptrdiff_t>(kept), shortlist.end(),
       [&](int a, int b) { return std::pair(-nearer_[a], a) < std::pair(-nearer_[b], b); });
   shortlist.resize(kept);
   // Fill a short list with other clips: comparing more clips costs little.
-  for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMaxShortlisted;
+  for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < max_clips;
        ++clip) {
     if (!is_found_[clip] && Allows(mask, clip)) shortlist.push_back(clip);
   }
@@ -82,9 +84,12 @@ std::vector<int> ClipRanking::TakeShortlist(const ClipMask* mask) {
 }
 
 std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
-                                const FrameMatrix& observed, const ClipMask* mask) {
+                                const FrameMatrix& observed, const ClipMask* mask,
+                                std::size_t max_clips) {
   const auto clip_count = static_cast<int>(model.clips().size());
-  if (ListsAll(AllowedCount(model, mask))) return ClipRanking(clip_count).TakeShortlist(mask);
+  if (ListsAll(AllowedCount(model, mask), max_clips)) {
+    return ClipRanking(clip_count).TakeShortlist(mask, max_clips);
+  }
   const ClipIndex& index = AllowedIndex(model, mask);
   const FrameMatrix frames =
       observed(ShortlistFrames(static_cast<int>(observed.rows())), Eigen::all);
@@ -100,7 +105,7 @@ std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
     finder.Find(distances.row(t), near);
     ranking.Add(near);
   }
-  return ranking.TakeShortlist(mask);
+  return ranking.TakeShortlist(mask, max_clips);
 }
 
 }  // namespace motiondb::core

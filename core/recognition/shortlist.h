@@ -14,20 +14,20 @@ namespace motiondb::core {
 class ClipMask;
 class Model;
 
-// Maximum number of clips in a shortlist.
+// Maximum number of clips in a shortlist of recognition.
 inline constexpr std::size_t kMaxShortlisted = 64;
 
-// Returns at most 64 clips, the nearest first. `observed`: frames x K, in the metric. The distance
-// of a clip is the mean, over at most 24 evenly spread frames, of the squared distance to the
-// nearest of its node means. Only the 64 nodes nearest to a frame are searched; a clip in none of
-// them gets the distance of the 64th node. Noise increases all distances by about the same amount,
-// so it hardly changes the order. Only clips that `mask` allows (null: all) and the nodes that
-// contain their frames count. If these are at most 64 clips, all are listed in their order, and the
-// nodes are not searched.
-// `own`: the metric; null: the metric of the model. Cost: independent of the number of clips,
-// except for those found in the searched nodes.
+// Returns at most `max_clips` clips, the nearest first. `observed`: frames x K, in the metric. The
+// distance of a clip is the mean, over at most 24 evenly spread frames, of the squared distance to
+// the nearest of its node means. Only the 64 nodes nearest to a frame are searched; a clip in none
+// of them gets the distance of the 64th node. Noise increases all distances by about the same
+// amount, so it hardly changes the order. Only clips that `mask` allows (null: all) and the nodes
+// that contain their frames count. If these are at most `max_clips`, all are listed in their order,
+// and the nodes are not searched. `own`: the metric; null: the metric of the model. Cost:
+// independent of the number of clips, except for those found in the searched nodes.
 std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
-                                const FrameMatrix& observed, const ClipMask* mask = nullptr);
+                                const FrameMatrix& observed, const ClipMask* mask = nullptr,
+                                std::size_t max_clips = kMaxShortlisted);
 
 // The steps of ShortlistClips, for windows that share frames:
 
@@ -39,7 +39,7 @@ struct NearClip {
 };
 
 // Returns whether a shortlist always has all of `clip_count` allowed clips.
-bool ListsAll(int clip_count);
+bool ListsAll(int clip_count, std::size_t max_clips = kMaxShortlisted);
 
 // Returns the indices of the searched frames among `frames` frames, ascending.
 std::vector<int> ShortlistFrames(int frames);
@@ -67,7 +67,7 @@ class ClipRanking {
   void Add(const std::vector<NearClip>& near);
   // Returns the shortlist of the added frames and clears the ranking. If all clips are listed
   // (ListsAll), no frames need to be added. The added clips are allowed by `mask`.
-  std::vector<int> TakeShortlist(const ClipMask* mask);
+  std::vector<int> TakeShortlist(const ClipMask* mask, std::size_t max_clips = kMaxShortlisted);
 
  private:
   std::vector<float> nearer_;  // summed over the frames

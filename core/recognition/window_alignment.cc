@@ -35,17 +35,6 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
                                  static_cast<double>(whitened.size()));
 }
 
-// Returns the strided frames of one unit, projected with `metric`.
-MetricFrames ProjectRows(const Model& model, const MotionMetric& metric, RowRange rows) {
-  const auto first = model.metric_frames().rows.frame.begin() + rows.first;
-  MetricFrames frames;
-  frames.rows.frame.assign(first, first + rows.count);
-  frames.rows.begin = {0, rows.count};
-  frames.projected = SharedRows(Project(metric, model.states()(frames.rows.frame, Eigen::all)));
-  frames.squared_norms = frames.projected.view().rowwise().squaredNorm();
-  return frames;
-}
-
 }  // namespace
 
 Eigen::RowVectorXf NearestState(const Model& model, int nearest,
@@ -84,6 +73,16 @@ double FamiliarityOfDifference(double mean_square) {
   return -std::log(std::max(mean_square, kMinDifference));
 }
 
+MetricFrames ProjectStridedRows(const Model& model, const MotionMetric& metric, RowRange rows) {
+  const auto first = model.metric_frames().rows.frame.begin() + rows.first;
+  MetricFrames frames;
+  frames.rows.frame.assign(first, first + rows.count);
+  frames.rows.begin = {0, rows.count};
+  frames.projected = SharedRows(Project(metric, model.states()(frames.rows.frame, Eigen::all)));
+  frames.squared_norms = frames.projected.view().rowwise().squaredNorm();
+  return frames;
+}
+
 void SortByEvidence(std::vector<UnitEvidence>& units) {
   std::stable_sort(units.begin(), units.end(), [](const UnitEvidence& a, const UnitEvidence& b) {
     return a.log_evidence > b.log_evidence;
@@ -109,8 +108,8 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model, const LabelUnits
       const double log_evidence =
           observation.own == nullptr
               ? aligner.Align(model.metric_frames(), unit.rows, nearest, cancelled)
-              : aligner.Align(ProjectRows(model, *observation.own, unit.rows), {0, unit.rows.count},
-                              nearest, cancelled);
+              : aligner.Align(ProjectStridedRows(model, *observation.own, unit.rows),
+                              {0, unit.rows.count}, nearest, cancelled);
       if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
       window.units.push_back({&unit, log_evidence});
     }

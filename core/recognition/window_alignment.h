@@ -43,6 +43,9 @@ double FamiliarityOfDifference(double mean_square);
 Eigen::RowVectorXf NearestState(const Model& model, int nearest,
                                 const Eigen::Ref<const Eigen::RowVectorXf>& state);
 
+// Returns stored `rows` (of the model's metric frames) in another metric, as the rows from 0.
+MetricFrames ProjectStridedRows(const Model& model, const MotionMetric& metric, RowRange rows);
+
 // Aligns the observation's frames `compared` (ComparedFrames) with the units of each shortlisted
 // clip, except those of `left_out_label`. `mask`: the clips to use, with units in `units`; null:
 // all. `anchored` as for AlignToClip. CANCELLED. REQUIRES: a unit remains.

@@ -13,9 +13,21 @@ namespace motiondb::client {
 
 namespace {
 
-void AddOptionsAfterFiles(CLI::App& command, QueryOptions& options) {
+CLI::Option* AddDatabaseAndFiles(CLI::App& command, QueryOptions& options) {
+  command.add_option("DB", options.database, "Database")->required();
+  return command.add_option(
+      "FILE", options.files,
+      "Motion files, folders (all motion files below them), glob patterns, or - for paths on "
+      "standard input, one per line");
+}
+
+void AddFileOptions(CLI::App& command, QueryOptions& options) {
   AddSourceOptions(command, options.source);
   AddForceOption(command, options.source);
+}
+
+void AddOptionsAfterFiles(CLI::App& command, QueryOptions& options) {
+  AddFileOptions(command, options);
   command.add_option("--layer", options.layer, "Layer of the tree, from 1; else the bottom layer")
       ->type_name("N")
       ->check(PositiveNumber());
@@ -46,13 +58,14 @@ void AddTrackOption(CLI::App& command, std::string& track) {
 }
 
 void AddQueryOptions(CLI::App& command, QueryOptions& options) {
-  command.add_option("DB", options.database, "Database")->required();
-  command
-      .add_option("FILE", options.files,
-                  "Motion files, folders (all motion files below them), glob patterns, or - for "
-                  "paths on standard input, one per line")
-      ->required();
+  AddDatabaseAndFiles(command, options)->required();
   AddOptionsAfterFiles(command, options);
+}
+
+void AddOptionalFileOptions(CLI::App& command, QueryOptions& options) {
+  AddDatabaseAndFiles(command, options);
+  AddFileOptions(command, options);
+  AddSelectionOptions(command, options.filter, options.min_revision);
 }
 
 void AddQueryOptionsOfOneFile(CLI::App& command, QueryOptions& options) {

@@ -33,6 +33,9 @@ struct QueryOptions {
 void AddQueryOptions(CLI::App& command, QueryOptions& options);
 void AddQueryOptionsOfOneFile(CLI::App& command, QueryOptions& options);
 
+// As above for a command that can have no files; without the options of nodes, --layer and --floor.
+void AddOptionalFileOptions(CLI::App& command, QueryOptions& options);
+
 // Adds --filter and --min-revision, which all queries have.
 void AddSelectionOptions(CLI::App& command, std::string& filter, std::int64_t& min_revision);
 

@@ -106,16 +106,26 @@ std::string SharesText(const std::vector<WindowAnswer>& answers) {
   return (text.empty() ? "nothing recognized" : text) + "\n";
 }
 
+}  // namespace
+
+TrackAnswer TrackAnswerOf(const v1::TrackLabels& track) {
+  double no_label = 1;
+  for (const auto& label : track.labels()) no_label -= label.probability();
+  if (track.labels_size() == 0 || track.labels(0).probability() < no_label) {
+    return {"none", no_label, true};
+  }
+  return {LabelOrPlaceholder(track.labels(0).label()), track.labels(0).probability(), false};
+}
+
+namespace {
+
 // Returns a line with the shares of each other track: "track carries: box 80 % (...), none ...".
 std::string OtherTracksText(const v1::RecognizeResponse& response) {
   std::map<std::string, std::vector<WindowAnswer>> answers_of_track;
   for (const auto& window : response.windows()) {
     for (const v1::TrackLabels& track : window.other_tracks()) {
-      double no_label = 1;
-      for (const auto& label : track.labels()) no_label -= label.probability();
-      const bool has_label = track.labels_size() > 0 && track.labels(0).probability() >= no_label;
-      answers_of_track[track.track()].push_back(
-          {has_label ? LabelOrPlaceholder(track.labels(0).label()) : "none", !has_label});
+      const TrackAnswer answer = TrackAnswerOf(track);
+      answers_of_track[track.track()].push_back({answer.label, answer.is_none});
     }
   }
   std::string text;

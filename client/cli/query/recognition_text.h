@@ -7,6 +7,11 @@
 
 #include "client/cli/terminal/table.h"
 
+namespace motiondb::v1 {
+class RecognitionWindow;
+class TrackLabels;
+}  // namespace motiondb::v1
+
 namespace motiondb::client {
 
 // Returns whether a window is called unknown: an answer of recognize (v1::RecognitionWindow) or of
@@ -20,6 +25,14 @@ bool IsUnknown(const Window& window, double threshold) {
 std::string UnknownText(double probability);
 
 enum class Windows { kMerged, kEvery };
+
+// What a track other than that of the query is called in a window.
+struct TrackAnswer {
+  std::string label;       // "none" if it is more probable that there is no label
+  double probability = 0;  // of the label, or that there is none
+  bool is_none = false;    // apart from a label of that name
+};
+TrackAnswer TrackAnswerOf(const v1::TrackLabels& track);
 
 // Returns a row for each window, or for successive windows with the same answer: the most probable
 // label, or "unknown" if its probability is greater than `unknown_threshold`. A row of several

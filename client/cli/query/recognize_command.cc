@@ -9,8 +9,9 @@
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/motion_file.h"
+#include "client/cli/plot/picture_file.h"
 #include "client/cli/plot/recognition_plot.h"
-#include "client/cli/plot/recognition_plot_profile.h"
+#include "client/cli/query/profile_query.h"
 #include "client/cli/query/query_files.h"
 #include "client/cli/query/query_options.h"
 #include "client/cli/query/recognition_text.h"
@@ -78,13 +79,13 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
       .add_option("--plot", options.plot,
                   "Draw the answer over time: probabilities of labels and of unknown motion, best "
                   "clips, familiarity")
-      ->type_name("FILE.svg");
+      ->type_name(kPictureFile);
   command
       .add_option("--plot-profile", options.profile_plot,
                   "Draw the generation probability of clips in each window, as in the paper, at "
                   "the bottom, a middle and an upper layer, or at --layer; needs a query for each "
                   "layer")
-      ->type_name("FILE.svg");
+      ->type_name(kPictureFile);
 }
 
 v1::RecognizeRequest Request(const RecognizeOptions& options) {
@@ -105,11 +106,6 @@ v1::RecognizeRequest Request(const RecognizeOptions& options) {
   return request;
 }
 
-absl::Status CheckPlotFile(const char* option, const std::string& file) {
-  if (file.empty() || HasExtension(file, ".svg")) return absl::OkStatus();
-  return UsageError(fmt::format("{} {}: expected FILE.svg", option, file));
-}
-
 // Options and files that are wrong are found before the query.
 absl::Status CheckOptions(const RecognizeOptions& options) {
   const bool is_best = options.method == v1::METHOD_BEST;
@@ -120,35 +116,10 @@ absl::Status CheckOptions(const RecognizeOptions& options) {
   } else if (!is_best) {
     status = RejectOptions(*options.command, options.method, {"--unknown-threshold"});
   }
-  status.Update(CheckPlotFile("--plot", options.plot));
-  status.Update(CheckPlotFile("--plot-profile", options.profile_plot));
+  status.Update(CheckPictureFile("--plot", options.plot));
+  status.Update(CheckPictureFile("--plot-profile", options.profile_plot));
   if (status.ok()) status = CheckCanWrite({options.plot, options.profile_plot});
   return status;
-}
-
-// Queries all clips at each layer by the paper's method, and draws the answers.
-absl::Status WriteProfilePlot(const Client& client, const RecognizeOptions& options,
-                              v1::RecognizeRequest request) {
-  request.clear_top_count();
-  request.set_method(v1::METHOD_PAPER);
-  std::vector<v1::RecognizeResponse> layers;
-  const auto ask = [&](int layer) {
-    if (layer > 0) request.set_layer(layer);
-    auto response = client.Recognize(request);
-    if (!response.ok()) return response.status();
-    layers.push_back(*std::move(response));
-    return absl::OkStatus();
-  };
-  absl::Status status = ask(options.query.layer);
-  if (status.ok() && options.query.layer == 0 && layers[0].windows_size() > 0) {
-    for (const int layer : PlottedLayers(layers[0].windows(0).layer())) {
-      if (status = ask(layer); !status.ok()) break;
-    }
-  }
-  if (!status.ok()) return status;
-  request.clear_layer();
-  if (options.query.layer > 0) request.set_layer(options.query.layer);
-  return WriteFileAtomically(options.profile_plot, ProfilePlotSvg(request, layers));
 }
 
 std::string Text(const v1::RecognizeResponse& response, const RecognizeOptions& options) {
@@ -163,13 +134,17 @@ absl::Status WritePlots(const Client& client, const RecognizeOptions& options,
                         const v1::RecognizeRequest& request, const v1::RecognizeResponse& response,
                         bool reports) {
   if (!options.plot.empty()) {
-    absl::Status status = WriteFileAtomically(
-        options.plot, RecognitionPlotSvg(request, response, options.unknown_threshold));
+    absl::Status status = WritePicture(
+        options.plot, RecognitionPicture(request, response, options.unknown_threshold));
     if (!status.ok()) return status;
     if (reports) PrintLine("wrote {}", options.plot);
   }
   if (options.profile_plot.empty()) return absl::OkStatus();
-  absl::Status status = WriteProfilePlot(client, options, request);
+  std::vector<int> layers;
+  if (options.query.layer > 0) layers.push_back(options.query.layer);
+  const auto picture = AskForProfile(client, request, layers);
+  if (!picture.ok()) return picture.status();
+  absl::Status status = WritePicture(options.profile_plot, *picture);
   if (status.ok() && reports) PrintLine("wrote {}", options.profile_plot);
   return status;
 }

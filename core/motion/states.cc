@@ -72,7 +72,7 @@ void DropPoseAtStart(const MarkerSet& set, double leg_length_m, MarkerMotion& mo
                               motion.positions_m.rows()));
   motion.positions_m =
       motion.positions_m.bottomRows(motion.positions_m.rows() - start.frame_count).eval();
-  motion.first_frame = start.frame_count;
+  motion.first_frame += start.frame_count;
 }
 
 // Prepares a motion relative to `origin` for storage: leaves out a reference pose, applies the
@@ -266,8 +266,8 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
                                         double frame_rate_hz, Cleaning cleaning,
                                         std::optional<double> leg_length_m,
-                                        std::vector<std::string>* notes,
-                                        const Cancelled& cancelled) {
+                                        std::vector<std::string>* notes, const Cancelled& cancelled,
+                                        SourcePart* part) {
   const auto check_cancelled = [&] {
     return cancelled && cancelled() ? absl::CancelledError("computing the states was cancelled")
                                     : absl::OkStatus();
@@ -280,6 +280,7 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   const Eigen::Vector2d origin = FloorOrigin(motion);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped,
                             ApplySchemeFrom(origin, scheme, motion, leg_length_m, cancelled));
+  const int first_frame = mapped.first_frame;
   // ComputeStates estimates the size again, from the resampled motion, and reports errors.
   const absl::StatusOr<double> size_m =
       leg_length_m ? *leg_length_m : EstimateLegLength(scheme.set, mapped);
@@ -304,6 +305,10 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   if (notes != nullptr) notes->insert(notes->end(), found.begin(), found.end());
   MOTIONDB_RETURN_IF_ERROR(check_cancelled());
   const double floor_m = size_m.ok() ? MoveToFloor(scheme.set, *size_m, mapped) : 0;
+  if (part != nullptr) {
+    *part = {mapped.first_frame - first_frame, static_cast<int>(mapped.positions_m.rows()),
+             floor_m};
+  }
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
   const double source_rate_hz = mapped.frame_rate_hz;
   mapped = {};

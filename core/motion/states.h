@@ -91,15 +91,24 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
 using Cleaning = std::optional<GlitchPolicy>;
 inline constexpr Cleaning kObservation = std::nullopt;
 
+// The frames of a motion from which states were computed.
+struct SourcePart {
+  int first_frame = 0;  // of the motion, from 0
+  int frame_count = 0;  // at its own rate
+  double floor_m = 0;   // height of the floor, which the states have at z = 0
+};
+
 // Converts a motion to states. Without `leg_length_m`, the size of joints is measured on their
 // bones with all rotations zero, and that of markers is estimated. Steps: ApplyScheme, glitches,
 // gaps, MoveToFloor (floor_level.h), Resample, ComputeStates. Appends to `notes`, if not null, the
-// glitches and gaps that were found. CANCELLED soon after `cancelled` returns true.
+// glitches and gaps that were found, and sets `part`, if not null. CANCELLED soon after `cancelled`
+// returns true.
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
                                         double frame_rate_hz, Cleaning cleaning,
                                         std::optional<double> leg_length_m = std::nullopt,
                                         std::vector<std::string>* notes = nullptr,
-                                        const Cancelled& cancelled = {});
+                                        const Cancelled& cancelled = {},
+                                        SourcePart* part = nullptr);
 
 // Returns the marker positions in the world (m, z up), frames x 3 N_v: the inverse of
 // ComputeStates.

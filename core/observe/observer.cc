@@ -113,6 +113,11 @@ std::optional<double> Observer::leg_length_m() const {
   return has_leg_length_ ? std::optional(states_.leg_length_m()) : std::nullopt;
 }
 
+std::optional<Eigen::RowVectorXf> Observer::NewestPositions() const {
+  if (states_.kept() == 0) return std::nullopt;
+  return states_.LastPositions(1).positions_m.row(0);
+}
+
 absl::Status Observer::Append(std::int64_t first_frame, const FrameMatrix& positions_m,
                               const Cancelled& cancelled) {
   if (positions_m.rows() == 0) return absl::OkStatus();

@@ -92,6 +92,9 @@ class Observer {
   int kept_frames() const { return states_.kept(); }
   // Leg length (m); absent until it is known.
   std::optional<double> leg_length_m() const;
+  // Positions of the newest frame of the answer, 3 for each marker of the model (m, world; NaN:
+  // missing); absent until there is one.
+  std::optional<Eigen::RowVectorXf> NewestPositions() const;
 
  private:
   Observer(const Model& model, MarkerSet set, MarkerStream stream, double frame_rate_hz,

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/model/even_spread.h"
 #include "core/model/model.h"
 
 namespace motiondb::core {
@@ -173,6 +174,12 @@ Foot FindFoot(const Sample& sample, const std::array<int, 3>& leg) {
   return foot;
 }
 
+Feet FeetIn(const MarkerSet& set, const Sample& sample) {
+  Feet feet;
+  for (const auto& leg : set.landmarks.legs) feet.push_back(FindFoot(sample, leg));
+  return feet;
+}
+
 using Flags = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
 // Inverts runs of `value` shorter than `shortest` frames. HasClearance runs at the ends of the
@@ -227,11 +234,13 @@ Flags MarkerContacts(const FrameMatrix& positions_m, int marker, float usual_res
 
 }  // namespace
 
-Feet FindFeet(const Model& model) {
-  const Sample sample = TakeSample(model);
-  Feet feet;
-  for (const auto& leg : model.marker_set().landmarks.legs) feet.push_back(FindFoot(sample, leg));
-  return feet;
+Feet FindFeet(const Model& model) { return FeetIn(model.marker_set(), TakeSample(model)); }
+
+Feet FindFeet(const MarkerSet& set, const Eigen::Ref<const FrameMatrix>& states) {
+  Sample sample;
+  sample.states = states(SpreadEvenly(states.rows(), kContactFrames), Eigen::all);
+  sample.first_rows = {0, sample.states.rows()};
+  return FeetIn(set, sample);
 }
 
 ContactMatrix DetectContacts(const Feet& feet, const FrameMatrix& positions_m, double frame_rate_hz,

@@ -10,6 +10,7 @@
 namespace motiondb::core {
 
 class Model;
+struct MarkerSet;
 
 // One foot: its leg, and the markers that move with it.
 struct Foot {
@@ -33,6 +34,9 @@ using ContactMatrix = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::
 // Returns the feet of the model's marker set, determined from a sample of at most a few thousand
 // stored frames. Empty if the set has no complete leg. O(sampled frames * markers).
 Feet FindFeet(const Model& model);
+
+// The same, from a sample of one motion (unscaled states) of the set.
+Feet FindFeet(const MarkerSet& set, const Eigen::Ref<const FrameMatrix>& states);
 
 // Returns the contacts in marker positions (frames x 3 N_v, m, world, floor at z = 0) of a subject
 // with this leg length: low (near the rest height) and slow, for long enough. Missing markers (NaN)

@@ -1,0 +1,25 @@
+#include "core/view/standing_feet.h"
+
+namespace motiondb::core {
+
+std::vector<std::uint8_t> StandingFeet(const MarkerSet& set, const Feet& feet,
+                                       const FrameMatrix& positions_m, double frame_rate_hz,
+                                       double leg_length_m) {
+  if (feet.empty()) return {};
+  const ContactMatrix contacts = DetectContacts(feet, positions_m, frame_rate_hz, leg_length_m);
+  std::vector<std::uint8_t> standing(static_cast<std::size_t>(contacts.rows()), 0);
+  Eigen::Index column = 0;
+  for (const Foot& foot : feet) {
+    const auto markers = static_cast<Eigen::Index>(foot.contact_markers.size());
+    const std::uint8_t bit = foot.leg[0] == set.landmarks.left_hip ? kLeftFoot : kRightFoot;
+    for (Eigen::Index t = 0; t < contacts.rows(); ++t) {
+      if (contacts.row(t).segment(column, markers).any()) {
+        standing[static_cast<std::size_t>(t)] |= bit;
+      }
+    }
+    column += markers;
+  }
+  return standing;
+}
+
+}  // namespace motiondb::core

@@ -54,14 +54,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
   auto live = Serve(database, settings);
   live->set_scheme(std::move(scheme));
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
-  if (const std::size_t count = database_count(); count >= options_.max_databases) {
-    return core::WithReason(
-        "QUOTA_EXCEEDED",
-        absl::ResourceExhaustedError(
-            fmt::format("there are already {} databases, the maximum: delete one first, or raise "
-                        "--max-databases",
-                        count)));
-  }
+  MOTIONDB_RETURN_IF_ERROR(CheckDatabaseCount());
   MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, terms));
   const storage::MutexLock lock(mutex_);
   if (draining_) live->lifecycle().BeginStop();
@@ -135,9 +128,14 @@ void Engine::FreeDeletedDatabases() {
   });
 }
 
-std::size_t Engine::database_count() {
+absl::Status Engine::CheckDatabaseCount() {
   const storage::MutexLock lock(mutex_);
-  return databases_.size();
+  if (databases_.size() < options_.max_databases) return absl::OkStatus();
+  return core::WithReason(
+      "QUOTA_EXCEEDED",
+      absl::ResourceExhaustedError(fmt::format(
+          "there are already {} databases, the maximum: delete one first, or raise --max-databases",
+          databases_.size())));
 }
 
 absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::string& database) {

@@ -143,13 +143,23 @@ class Engine {
   absl::StatusOr<StoreCounts> Restore(storage::StoreRestore& restore,
                                       const core::Cancelled& cancelled);
 
+  // Adds an exported database that `import` has checked, as `database`, and serves it. It becomes
+  // visible after its model is read. ALREADY_EXISTS, RESOURCE_EXHAUSTED (a quota); CANCELLED; also
+  // the codes of DatabaseImport. An error changes nothing.
+  absl::Status ImportDatabase(std::unique_ptr<storage::DatabaseImport> import,
+                              const storage::ExportedDatabase& content, const std::string& database,
+                              const storage::WriteOptions& terms);
+  // The same errors, as far as they are known without the content. A later import can still fail.
+  absl::Status CheckMayImport(const std::string& database);
+
   // Stops builds and ends all waits for operations. Stopped operations stay PENDING for the next
   // server. Queries continue.
   void Drain();
 
  private:
   Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions& options);
-  std::size_t database_count();
+  // RESOURCE_EXHAUSTED if there is no room for another database.
+  absl::Status CheckDatabaseCount();
   // Frees the storage of deleted databases on the maintenance thread. Yields to its other work.
   void FreeDeletedDatabases();
   using EditStore = std::function<absl::StatusOr<storage::EditRecord>(storage::AnnotationStore&)>;
@@ -160,6 +170,12 @@ class Engine {
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
   // Creates the live databases from the store, then makes them visible to callers.
   absl::StatusOr<StoreCounts> Load();
+  // Makes databases visible to callers.
+  void Show(LiveDatabases& databases);
+  // Publishes a staged database and serves it.
+  absl::Status PublishImport(storage::DatabaseImport& import,
+                             const storage::ExportedDatabase& content, const std::string& database,
+                             const storage::WriteOptions& terms);
   absl::Status ReadDatabases(LiveDatabases& databases);
   absl::Status ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record);
   absl::Status ResumeOperations(const LiveDatabases& databases);

@@ -14,6 +14,7 @@
 #include "server/engine/file_names.h"
 #include "server/engine/representation.h"
 #include "server/engine/source_reader.h"
+#include "storage/clip_segments.h"
 
 namespace motiondb::server {
 namespace {
@@ -87,7 +88,8 @@ absl::StatusOr<std::optional<storage::ClipRecord>> FindReplaced(storage::MotionS
   if (before) {
     record.id = before->id;
     if (record.label.empty()) record.label = before->label;
-    if (record.subject.empty()) record.subject = before->subject;
+    // ReplaceClip does it in its transaction.
+    if (request.validate_only) storage::KeepAnnotations(*before, record);
   }
   if (record.label.empty()) record.label = record.given.take;
   if (record.label.empty()) record.label = kNoLabel;
@@ -199,6 +201,9 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
     }
   }
 
+  if (request.points != nullptr) {
+    MOTIONDB_ASSIGN_OR_RETURN(*request.points, core::FindSourcePoints(*scheme, source->motion));
+  }
   Complete(database, *source, *std::move(states), notes, clip);
   clip.cancelled = terms.cancelled;
   if (brings_scheme) clip.marker_set_text = core::WriteMarkerSetFile(*scheme);

@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
+#include "core/inspection/source_points.h"
 #include "core/tree/parallel.h"
 #include "server/engine/live_database.h"
 #include "server/engine/representation.h"
@@ -32,9 +33,10 @@ inline std::optional<core::SourceFile> SkeletonFile(const storage::ClipRecord& c
 // A clip to ingest, and how.
 struct IngestRequest {
   storage::NewClip clip;
-  bool force = false;          // accept an implausible body (core/format/plausibility.h)
-  bool replace = false;        // see IngestClip
-  bool validate_only = false;  // store nothing
+  bool force = false;                    // accept an implausible body (core/format/plausibility.h)
+  bool replace = false;                  // see IngestClip
+  bool validate_only = false;            // store nothing
+  core::SourcePoints* points = nullptr;  // set from the file; null: not wanted
   std::optional<core::MotionFile> source = {};  // see ImportBefore
 };
 
@@ -49,12 +51,12 @@ absl::Status ImportBefore(IngestRequest& request, const WorkOptions& terms);
 // what was given about the file and, if it is fixed, the id; the rest is derived. Calls `stored`
 // with it while the database cannot be deleted. Returns the clip when it is durable. With
 // `replace`, the stored clip with the same content or the fixed id is replaced; the new one has its
-// id and, if empty, its label and subject. On errors nothing has changed, except for errors of
-// `stored`. Codes: INVALID_ARGUMENT (file, line and expectation), ALREADY_EXISTS, ABORTED (the clip
-// to replace has changed meanwhile), NOT_FOUND (the database was deleted), RESOURCE_EXHAUSTED (the
-// clip is too long, needs too much memory or exceeds a quota), CANCELLED, and those of the store.
-// Checks for cancellation before it stores anything: if a sender dies, the end of its stream looks
-// like the end of the file.
+// id and, if empty, its label, subject and annotations. On errors nothing has changed, except for
+// errors of `stored`. Codes: INVALID_ARGUMENT (file, line and expectation), ALREADY_EXISTS, ABORTED
+// (the clip to replace has changed meanwhile), NOT_FOUND (the database was deleted),
+// RESOURCE_EXHAUSTED (the clip is too long, needs too much memory or exceeds a quota), CANCELLED,
+// and those of the store. Checks for cancellation before it stores anything: if a sender dies, the
+// end of its stream looks like the end of the file.
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestRequest request,
     const EngineOptions& options, const core::ParallelFor& parallel, const WorkOptions& terms,

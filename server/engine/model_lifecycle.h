@@ -217,12 +217,19 @@ class ModelLifecycle {
   absl::StatusOr<ServedModel> Updated(ServedModel served, const core::ParallelFor& parallel);
   // Returns the model, which is not null, with the stored labels of its clips.
   absl::StatusOr<ServedModel> Relabelled(ServedModel served);
-  // Returns whether the model has the clips of the catalog, which was read before.
-  absl::StatusOr<bool> HasChangesOf(const Snapshot& snapshot, const Catalog& catalog);
-  // Returns `snapshot` extended by its missing clips. Returns it unchanged if none are missing, if
-  // it is null or not extensible, or if a clip was deleted meanwhile. Stores the result if
-  // `snapshot` is stored. REQUIRES: within Replace.
+  // The same with the labels of a catalog. `staleness`: of the model, found after the catalog was
+  // read.
+  absl::StatusOr<ServedModel> WithLabelsOf(const Catalog& catalog,
+                                           const storage::ModelStaleness& staleness,
+                                           ServedModel served);
+  // Returns whether the model has the clips of the catalog. `staleness`: as above.
+  bool HasChangesOf(const Snapshot& snapshot, const Catalog& catalog,
+                    const storage::ModelStaleness& staleness) const;
+  // Returns `snapshot` extended by its missing clips, which are then no longer in `staleness`.
+  // Returns it unchanged if none are missing, or if a clip was deleted meanwhile. Stores the result
+  // if `snapshot` is stored. REQUIRES: within Replace; it is extensible.
   absl::StatusOr<std::shared_ptr<const Snapshot>> Extended(std::shared_ptr<const Snapshot> snapshot,
+                                                           storage::ModelStaleness& staleness,
                                                            const core::ParallelFor& parallel);
   absl::StatusOr<bool> HasAllClips(const Snapshot& snapshot);
   // Leaves the store without a current model.

@@ -24,6 +24,10 @@ bool LacksCalibration(const core::Model& model) {
          model.recognition().unknown == core::UnknownCalibration::kNotFitted;
 }
 
+bool IsExtensible(const Snapshot& snapshot) {
+  return snapshot.is_extensible && snapshot.model.tree().has_planes();
+}
+
 }  // namespace
 
 void ModelLifecycle::UpdateCurrent() {
@@ -40,36 +44,52 @@ void ModelLifecycle::UpdateCurrent() {
 absl::StatusOr<ServedModel> ModelLifecycle::Updated(ServedModel served,
                                                     const core::ParallelFor& parallel) {
   if (served.snapshot == nullptr) return served;
-  // First: a clip that is extended by has its current labels.
-  MOTIONDB_ASSIGN_OR_RETURN(served.snapshot, Extended(std::move(served.snapshot), parallel));
-  auto relabelled = Relabelled(served);
+  // First: a clip that is stored after the catalog was read belongs to a later revision.
+  const auto catalog = database_.Catalog(services_.store.annotations());
   // Corrupt annotations do not keep clips out of the model.
-  return absl::IsDataLoss(relabelled.status()) ? served : relabelled;
+  if (!catalog.ok() && !absl::IsDataLoss(catalog.status())) return catalog.status();
+  const bool has_new_labels = catalog.ok() && (*catalog)->revision() != served.revision;
+  const bool is_extensible = IsExtensible(*served.snapshot);
+  if (!is_extensible && !has_new_labels) return served;
+  MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(database_.name()));
+  if (is_extensible) {
+    MOTIONDB_ASSIGN_OR_RETURN(served.snapshot,
+                              Extended(std::move(served.snapshot), staleness, parallel));
+  }
+  if (!has_new_labels) return served;
+  return WithLabelsOf(**catalog, staleness, std::move(served));
 }
 
 absl::StatusOr<ServedModel> ModelLifecycle::Relabelled(ServedModel served) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, database_.Catalog(services_.store.annotations()));
-  if (catalog->revision() == served.revision) return served;
-  auto labels = StoredLabels(served.snapshot->model, *catalog);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
+                            services_.store.FindModelStaleness(database_.name()));
+  return WithLabelsOf(*catalog, staleness, std::move(served));
+}
+
+absl::StatusOr<ServedModel> ModelLifecycle::WithLabelsOf(const Catalog& catalog,
+                                                         const storage::ModelStaleness& staleness,
+                                                         ServedModel served) {
+  auto labels = StoredLabels(served.snapshot->model, catalog);
   if (labels) {
     MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
                               served.snapshot->model.WithLabels(*std::move(labels)));
     Snapshot snapshot{served.snapshot->record, std::move(model), served.snapshot->calibration,
                       served.snapshot->is_extensible};
     snapshot.has_fitted_labels = false;
+    snapshot.view = served.snapshot->view;
     served.snapshot = std::make_shared<const Snapshot>(std::move(snapshot));
   }
-  MOTIONDB_ASSIGN_OR_RETURN(const bool has_changes, HasChangesOf(*served.snapshot, *catalog));
-  if (has_changes) served.revision = std::max(served.revision, catalog->revision());
+  if (HasChangesOf(*served.snapshot, catalog, staleness)) {
+    served.revision = std::max(served.revision, catalog.revision());
+  }
   return served;
 }
 
-absl::StatusOr<bool> ModelLifecycle::HasChangesOf(const Snapshot& snapshot,
-                                                  const Catalog& catalog) {
+bool ModelLifecycle::HasChangesOf(const Snapshot& snapshot, const Catalog& catalog,
+                                  const storage::ModelStaleness& staleness) const {
   // A model that is not stored cannot be compared with the stored states of its clips.
   if (!snapshot.is_stored()) return false;
-  MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
-                            services_.store.FindModelStaleness(database_.name()));
   if (staleness.removed > 0 || staleness.outdated > 0 || staleness.to_derive > 0) return false;
   const auto unreadable = database_.unreadable();
   return std::ranges::all_of(staleness.missing, [&](const std::string& clip) {
@@ -79,12 +99,9 @@ absl::StatusOr<bool> ModelLifecycle::HasChangesOf(const Snapshot& snapshot,
 }
 
 absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapshot,
+                                                         storage::ModelStaleness& staleness,
                                                          const core::ParallelFor& parallel) {
   const std::string& name = database_.name();
-  const bool is_extensible =
-      snapshot != nullptr && snapshot->is_extensible && snapshot->model.tree().has_planes();
-  if (!is_extensible) return snapshot;
-  MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(name));
   // A model with outdated states of clips is not extended: it will be replaced.
   if (snapshot->is_stored() && staleness.outdated > 0) return snapshot;
   std::set<std::string> known;
@@ -92,7 +109,8 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
   if (!snapshot->is_stored()) {
     for (const core::ModelClip& clip : snapshot->model.clips()) known.insert(clip.id);
   }
-  std::erase_if(staleness.missing, [&](const std::string& clip) { return known.contains(clip); });
+  const auto is_known = [&](const std::string& clip) { return known.contains(clip); };
+  std::erase_if(staleness.missing, is_known);
   MOTIONDB_ASSIGN_OR_RETURN(
       auto extended,
       ModelWithClips(services_.store, database_, snapshot->model, staleness.missing, parallel));
@@ -103,6 +121,8 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
                     : ModelRecordOf(name, snapshot->record.version, extended->model, drift);
   if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
   if (!record.ok()) return record.status();
+  for (const core::ModelClip& clip : extended->model.clips()) known.insert(clip.id);
+  std::erase_if(staleness.missing, is_known);
   spdlog::info(
       "database '{}': model {} extended: added_clips={} added_frames={:.2f} % "
       "frames_in_nodes_to_split={:.2f} %",

@@ -55,6 +55,14 @@ class ObserveSession {
   // codes of the observer.
   absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const PackedFrames& positions_m);
 
+  // Positions of the newest frame; see core::Observer::NewestPositions.
+  std::optional<Eigen::RowVectorXf> NewestPositions() const {
+    return observer_ != nullptr ? observer_->NewestPositions() : std::nullopt;
+  }
+  // With the names of the markers, also if none were given.
+  const ObserveSetup& setup() const { return setup_; }
+  const std::shared_ptr<LiveDatabase>& database() const { return query_.database(); }
+
  private:
   ObserveSession(Query query, ObserveSetup setup, Filter filter,
                  std::shared_ptr<const core::MarkerScheme> scheme,

@@ -87,6 +87,24 @@ absl::StatusOr<core::Estimation> Query::Estimate(const Observation& observation,
   return core::Estimate(model(), states, options, terms_.cancelled);
 }
 
+absl::StatusOr<std::vector<core::MotionMatch>> Query::Find(const SoughtMotion& motion,
+                                                           core::FindOptions options) const {
+  options.mask = mask_;
+  MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(options));
+  absl::StatusOr<core::MotionPart> part;
+  if (const auto* const clip = std::get_if<std::string>(&motion.source)) {
+    part = core::PartOfClip(model(), *clip, motion.part);
+    if (!part.ok()) return core::Within("clip_range", part.status());
+    const auto frames = static_cast<int>(part->states.rows());
+    MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(BytesToFind(model(), frames, options)));
+  } else {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto states, States(std::get<Observation>(motion.source)));
+    MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(BytesToFind(model(), states.frame_count(), options)));
+    MOTIONDB_ASSIGN_OR_RETURN(part, core::PartOfObservation(model(), states, motion.part));
+  }
+  return core::FindMotion(model(), *std::move(part), options, terms_.cancelled);
+}
+
 absl::StatusOr<core::Prediction> Query::Predict(const Observation& observation,
                                                 core::PredictOptions options) const {
   options.mask = mask_;

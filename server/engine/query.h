@@ -5,11 +5,13 @@
 
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/estimation/estimate.h"
 #include "core/prediction/predict.h"
+#include "core/recognition/find_motion.h"
 #include "core/recognition/recognize.h"
 #include "server/engine/engine.h"
 #include "server/engine/observation.h"
@@ -23,6 +25,12 @@ namespace motiondb::server {
 struct QueryScope {
   std::string filter = {};        // of clips (server/filter/filter.h); empty: all
   std::int64_t min_revision = 0;  // that the model must contain; 0: none
+};
+
+// The motion to find.
+struct SoughtMotion {
+  std::variant<Observation, std::string> source;  // or a clip id
+  core::TimeRange part;
 };
 
 class Query {
@@ -59,6 +67,10 @@ class Query {
                                                                 int top_count) const;
   absl::StatusOr<core::Estimation> Estimate(const Observation& observation,
                                             core::EstimateOptions options) const;
+  // `motion`: a part of the observation, or of a clip. Errors about the part name its fields in
+  // FindRequest.
+  absl::StatusOr<std::vector<core::MotionMatch>> Find(const SoughtMotion& motion,
+                                                      core::FindOptions options) const;
   absl::StatusOr<core::Prediction> Predict(const Observation& observation,
                                            core::PredictOptions options) const;
   absl::StatusOr<std::shared_ptr<PredictionSeries>> PredictSeries(const Observation& observation,

@@ -114,6 +114,21 @@ std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequenc
                     : 0);
 }
 
+std::int64_t BytesToFind(const core::Model& model, int frames, const core::FindOptions& options) {
+  constexpr Bytes kMatchSent = 320;  // match, message with a name, and its serialized form
+  constexpr Bytes kMaxKept = 3 * core::kMaxMatches;
+  constexpr Bytes kLanes = 16;
+  constexpr Bytes kSearchedFrames = 24;
+  constexpr Bytes kStep = 40;  // a path, its place in the order of costs
+  const Bytes projected = model.metric().projection.cols();
+  const Bytes longest = LongestCompared(model) * core::FrameStride(model.settings().frame_rate_hz);
+  return BytesOfStates(frames, MarkerCount(model)) + 3 * BytesOfRows(model, frames) +
+         3 * 4 * frames * projected + longest * (4 * kLanes + 4 * projected + kStep) +
+         4 * kSearchedFrames * static_cast<Bytes>(model.clip_index().node_count()) +
+         32 * static_cast<Bytes>(model.clips().size()) + BytesOfOwnMetric(model) +
+         kMaxKept * static_cast<Bytes>(sizeof(core::MotionMatch)) + options.top_count * kMatchSent;
+}
+
 std::int64_t BytesToEstimate(const core::Model& model, const core::StateSequence& states,
                              const core::EstimateOptions& options) {
   constexpr Bytes kMarkerFilled = 56;  // result, message and serialized form
@@ -219,14 +234,17 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
 std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files) {
   constexpr Bytes kFrame = 160;        // root and nodes
   constexpr Bytes kAngle = 8 + 3 * 4;  // result, floats, message and serialized form
+  constexpr Bytes kJoint = 3 * 3 * 4;  // position: floats, message and serialized form
   constexpr Bytes kAngleAsText = 160;  // in the longest format, NPZ, of a joint with one angle
   constexpr Bytes kCoordinateAsText = 4 * 12;
   Bytes bytes = 0;
   for (const core::PlannedMotion& motion : answer.motions) {
     const Bytes angles = motion.joints ? motion.joints->angles.size() : 0;
+    const Bytes joints =
+        motion.joints ? motion.joints->angles.rows() * motion.joints->skeleton->joint_count() : 0;
     bytes += kFrame * motion.root.rows() +
              motion.markers.positions_m.size() * (12 + (with_files ? kCoordinateAsText : 0)) +
-             angles * (kAngle + (with_files ? kAngleAsText : 0));
+             angles * (kAngle + (with_files ? kAngleAsText : 0)) + joints * kJoint;
   }
   return bytes;
 }

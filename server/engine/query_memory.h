@@ -9,6 +9,7 @@
 #include "core/observe/observer.h"
 #include "core/planning/plan.h"
 #include "core/prediction/predict.h"
+#include "core/recognition/find_motion.h"
 #include "core/recognition/recognize.h"
 
 namespace motiondb::server {
@@ -16,6 +17,8 @@ namespace motiondb::server {
 // With the response; `top_count` as in RecognizeRequest.
 std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequence& states,
                               const core::RecognizeOptions& options, int top_count);
+// With the response. `frames`: of the whole observation, or of the part of a clip.
+std::int64_t BytesToFind(const core::Model& model, int frames, const core::FindOptions& options);
 // With the response.
 std::int64_t BytesToEstimate(const core::Model& model, const core::StateSequence& states,
                              const core::EstimateOptions& options);

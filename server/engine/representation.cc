@@ -117,12 +117,10 @@ absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
       BytesToRepresent(motion, static_cast<std::int64_t>(frames) + 1, marker_count));
 }
 
-absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
-                                                    const core::MarkerScheme& scheme,
-                                                    const core::Motion& motion,
-                                                    core::Cleaning cleaning,
-                                                    std::optional<double> leg_length_m,
-                                                    std::vector<std::string>* notes) {
+absl::StatusOr<core::StateSequence> RepresentWithin(
+    const RepresentationLimits& limits, const core::MarkerScheme& scheme,
+    const core::Motion& motion, core::Cleaning cleaning, std::optional<double> leg_length_m,
+    std::vector<std::string>* notes, core::SourcePart* part) {
   MOTIONDB_RETURN_IF_ERROR(CheckSize(limits, scheme.set.marker_count(), motion));
   std::string note;
   MOTIONDB_ASSIGN_OR_RETURN(
@@ -131,7 +129,7 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                       &note));
   if (notes != nullptr && !note.empty()) notes->push_back(note);
   return core::Represent(fitted, motion, limits.frame_rate_hz, cleaning, leg_length_m, notes,
-                         limits.terms.cancelled);
+                         limits.terms.cancelled, part);
 }
 
 }  // namespace motiondb::server

@@ -58,12 +58,10 @@ bool IsAwaitingChange(const absl::Status& status);
 
 // Like core::Represent, within `limits`. RESOURCE_EXHAUSTED if the motion is too long or needs too
 // much memory; INVALID_ARGUMENT if its frame rate is too low; CANCELLED; see also IsHeavyWork.
-absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
-                                                    const core::MarkerScheme& scheme,
-                                                    const core::Motion& motion,
-                                                    core::Cleaning cleaning,
-                                                    std::optional<double> leg_length_m,
-                                                    std::vector<std::string>* notes = nullptr);
+absl::StatusOr<core::StateSequence> RepresentWithin(
+    const RepresentationLimits& limits, const core::MarkerScheme& scheme,
+    const core::Motion& motion, core::Cleaning cleaning, std::optional<double> leg_length_m,
+    std::vector<std::string>* notes = nullptr, core::SourcePart* part = nullptr);
 
 // Checks the size of a motion before its conversion and reserves the memory for that.
 // RESOURCE_EXHAUSTED if the motion is too long or needs too much memory; INVALID_ARGUMENT if its

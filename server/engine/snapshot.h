@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/model/model.h"
+#include "server/engine/model_view.h"
 #include "storage/records.h"
 
 namespace motiondb::server {
@@ -27,6 +28,8 @@ struct Snapshot {
   bool is_extensible = false;
   // False: labels changed since metric and calibration were fitted.
   bool has_fitted_labels = true;
+  // Geometry for pictures, computed on demand; it depends on the states and the tree only.
+  std::shared_ptr<ModelView> view = std::make_shared<ModelView>();
 
   // Only a model with its own calibration is stored.
   bool is_stored() const { return calibration == Calibration::kOwn; }

@@ -1,4 +1,5 @@
-// Engine::Open and Restore: reads the stored models and resumes unfinished operations.
+// Engine::Open, Restore and ImportDatabase: reads the stored models and resumes unfinished
+// operations.
 #include <spdlog/spdlog.h>
 
 #include <utility>
@@ -38,15 +39,19 @@ absl::StatusOr<StoreCounts> Engine::Load() {
   for (const auto& [name, live] : databases) amount.clip_count += live->stored().clip_count;
   // Last: callers then find clips counted and models read. Also done if something could not be read
   // or resumed, because all of it is stored.
+  Show(databases);
+  if (!status.ok()) return status;
+  // The previous server, or the server of the backup, may have stopped before its purge.
+  if (!read_only) FreeDeletedDatabases();
+  return amount;
+}
+
+void Engine::Show(LiveDatabases& databases) {
   const storage::MutexLock lock(mutex_);
   if (draining_) {
     for (const auto& [name, live] : databases) live->lifecycle().BeginStop();
   }
   databases_.merge(databases);
-  if (!status.ok()) return status;
-  // The previous server, or the server of the backup, may have stopped before its purge.
-  if (!read_only) FreeDeletedDatabases();
-  return amount;
 }
 
 absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
@@ -143,6 +148,54 @@ absl::StatusOr<StoreCounts> Engine::Restore(storage::StoreRestore& restore,
   MOTIONDB_ASSIGN_OR_RETURN(const StoreCounts amount, Load());
   spdlog::info("backup restored: databases={} clips={}", amount.database_count, amount.clip_count);
   return amount;
+}
+
+absl::Status Engine::CheckMayImport(const std::string& database) {
+  if (FindDatabase(database).ok()) {
+    return core::WithReason("DATABASE_EXISTS", absl::AlreadyExistsError(fmt::format(
+                                                   "database '{}' already exists", database)));
+  }
+  return CheckDatabaseCount();
+}
+
+absl::Status Engine::ImportDatabase(std::unique_ptr<storage::DatabaseImport> import,
+                                    const storage::ExportedDatabase& content,
+                                    const std::string& database,
+                                    const storage::WriteOptions& terms) {
+  MOTIONDB_RETURN_IF_ERROR(CheckMayImport(database));
+  MOTIONDB_RETURN_IF_ERROR(
+      LiveDatabase(database, content.record.settings)
+          .Reserve({content.clip_count, content.frame_count, content.byte_count}, options_.quota));
+  absl::Status imported = import->Stage(terms.cancelled);
+  if (imported.ok()) imported = PublishImport(*import, content, database, terms);
+  if (!imported.ok()) {
+    // After an error the content stays hidden until it is freed, without the import.
+    import.reset();
+    FreeDeletedDatabases();
+  }
+  return imported;
+}
+
+absl::Status Engine::PublishImport(storage::DatabaseImport& import,
+                                   const storage::ExportedDatabase& content,
+                                   const std::string& database,
+                                   const storage::WriteOptions& terms) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
+  MOTIONDB_RETURN_IF_ERROR(CheckMayImport(database));
+  MOTIONDB_RETURN_IF_ERROR(import.Publish(database, terms));
+  // The database is stored, and is served even if the caller gave up.
+  const core::Cancelled never;
+  const storage::ReadScope scope(never);
+  storage::DatabaseRecord record = content.record;
+  record.name = database;
+  LiveDatabases databases;
+  const auto live = databases[database] = Serve(database, record.settings);
+  absl::Status status = ReadDatabase(*live, record);
+  if (status.ok()) status = RebuildOutdated(databases);
+  if (!status.ok()) damages_.Note({"databases/" + database, std::string(status.message())});
+  Show(databases);
+  spdlog::info("database '{}': imported: clips={}", database, content.clip_count);
+  return absl::OkStatus();
 }
 
 }  // namespace motiondb::server

@@ -1,5 +1,6 @@
 #include "server/http2/grpc_wire.h"
 
+#include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/message.h>
 #include <google/protobuf/wire_format_lite.h>
@@ -93,15 +94,21 @@ using Wire = google::protobuf::internal::WireFormatLite;
 
 // Costs in bytes. An allocation: its overhead, a pointer to it, and spare capacity of arrays.
 constexpr std::int64_t kAllocation = 64;
+constexpr std::int64_t kMapEntry = 256;                     // a node, its key and its value
 constexpr std::int64_t kMessageBase = 512;                  // for invalid and truncated fields
 constexpr std::int64_t kUnknownGroupByte = 32;              // a group may have many small fields
 constexpr std::int64_t kScalar = 2 * sizeof(std::int64_t);  // arrays grow by doubling
 constexpr int kMaxDepth = 100;                              // protobuf's own limit
 
-std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) {
+std::int64_t SizeOfEmpty(const Descriptor& type) {
+  // A prototype of an entry has no value, and cannot tell its size.
+  if (type.options().map_entry()) return kMapEntry;
   const auto* const prototype = MessageFactory::generated_factory()->GetPrototype(&type);
-  std::int64_t size =
-      prototype == nullptr ? 0 : static_cast<std::int64_t>(prototype->SpaceUsedLong());
+  return prototype == nullptr ? 0 : static_cast<std::int64_t>(prototype->SpaceUsedLong());
+}
+
+std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) {
+  std::int64_t size = SizeOfEmpty(type);
   while (const std::uint32_t tag = input.ReadTag()) {
     const FieldDescriptor* const field = type.FindFieldByNumber(Wire::GetTagFieldNumber(tag));
     size += field == nullptr ? kAllocation : kScalar;

@@ -34,6 +34,7 @@ struct Call {
   CallContext& entry;                              // the caller and its limits
   Monitor& monitor;                                // statistics of the server
   Parking& parking;                                // how it waits for a change
+  RunningStreams& streams;                         // of the server
 
   WorkOptions work_options() const {
     return {entry.allowed(), cancelled,
@@ -80,7 +81,8 @@ void Work(ServiceContext& host, const Request& request, Response& response, Unar
   if (!checked.ok()) return reactor.End(std::move(checked));
   CallContext& entry = reactor.entry();
   Parking& parking = reactor.parking();
-  const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor, parking};
+  const Call call{host.engine,  entry.cancelled(), entry.deadline(), entry,
+                  host.monitor, parking,           host.streams};
   const LogFields fields{{"request_id", entry.request_id()}};
   bool is_heavy = false;
   bool waits = false;

@@ -58,10 +58,11 @@ CallKind KindOf(const Method& method) {
 
 }  // namespace
 
-grpc::Status StoppingStatus() {
-  return ToGrpcStatus(
-      core::WithReason("SERVER_STOPPING", absl::UnavailableError("the server is stopping")));
+absl::Status ServerStopping() {
+  return core::WithReason("SERVER_STOPPING", absl::UnavailableError("the server is stopping"));
 }
+
+grpc::Status StoppingStatus() { return ToGrpcStatus(ServerStopping()); }
 
 CallContext::CallContext(ServiceContext& host, const grpc::CallbackServerContext& context,
                          const Method& method, std::function<void()> on_close)

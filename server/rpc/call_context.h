@@ -24,7 +24,8 @@
 
 namespace motiondb::server {
 
-// Returns UNAVAILABLE, the status of calls that a stopping server cannot accept or finish.
+// Return UNAVAILABLE, the status of calls that a stopping server cannot accept or finish.
+absl::Status ServerStopping();
 grpc::Status StoppingStatus();
 
 class CallContext {

@@ -250,6 +250,11 @@ class ClipServiceImpl final : public v1::ClipService::CallbackService {
       grpc::CallbackServerContext* context, v1::IngestClipResponse* response) override {
     return NewIngestReactor(host_, *context, *response);
   }
+  grpc::ServerUnaryReactor* UploadClip(grpc::CallbackServerContext* context,
+                                       const v1::UploadClipRequest* request,
+                                       v1::UploadClipResponse* response) override {
+    return NewUploadReactor(host_, *context, *request, *response);
+  }
   grpc::ServerUnaryReactor* GetClip(grpc::CallbackServerContext* context,
                                     const v1::GetClipRequest* request,
                                     v1::GetClipResponse* response) override {

@@ -6,6 +6,7 @@
 #include "motiondb/v1/model.grpc.pb.h"
 #include "server/engine/snapshot.h"
 #include "server/rpc/call.h"
+#include "server/rpc/model_lookup.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
 #include "server/translate/message_fields.h"
@@ -15,21 +16,6 @@
 
 namespace motiondb::server {
 namespace {
-
-// Returns the current model, by name or version. Older models cannot be read.
-absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
-  MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer snapshot, call.engine.CurrentModel(*live));
-  const bool is_current = snapshot->is_stored() && id.version == snapshot->record.version;
-  if (id.version == 0 || is_current) return snapshot;
-  MOTIONDB_RETURN_IF_ERROR(call.engine.store().GetModel(id.database, id.version).status());
-  return core::WithReason(
-      "MODEL_SUPERSEDED",
-      core::FailedPrecondition("model {} of database '{}' was replaced by a newer one, only its "
-                               "statistics are stored: read "
-                               "{}",
-                               id.version, id.database, CurrentModelName(id.database)));
-}
 
 absl::Status GetModel(const Call& call, const v1::GetModelRequest& request,
                       v1::GetModelResponse& response) {
@@ -91,24 +77,6 @@ absl::Status ListNodes(const Call& call, const v1::ListNodesRequest& request,
         {snapshot->record.version, snapshot->record.create_time_us, position.index + taken}));
   }
   return absl::OkStatus();
-}
-
-// Returns the index of the clip in the model; -1, the global graph, if `name` is empty.
-absl::StatusOr<int> ClipIndex(const std::string& name, const ModelId& id,
-                              const Snapshot& snapshot) {
-  if (name.empty()) return -1;
-  MOTIONDB_ASSIGN_OR_RETURN(const MemberId clip, ParseClipName("clip", name));
-  if (clip.database != id.database) {
-    return FieldViolation("clip", "expected a clip of databases/{}, got '{}'", id.database, name);
-  }
-  const auto& clips = snapshot.model.clips();
-  const auto found = std::ranges::find(clips, clip.id, &core::ModelClip::id);
-  if (found == clips.end()) {
-    return core::WithReason("CLIP_NOT_FOUND",
-                            core::NotFound("clip '{}' is not in model {} of database '{}'", clip.id,
-                                           snapshot.record.version, id.database));
-  }
-  return static_cast<int>(found - clips.begin());
 }
 
 absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest& request,

@@ -1,14 +1,18 @@
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <utility>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/observe.pb.h"
+#include "server/engine/clock.h"
 #include "server/engine/observe_session.h"
 #include "server/rpc/call.h"
 #include "server/rpc/idle_timer.h"
+#include "server/rpc/running_streams.h"
 #include "server/rpc/services.h"
+#include "server/rpc/spectator.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/observation.h"
 #include "server/translate/resource_name.h"
@@ -23,6 +27,7 @@ class ObserveReactor final
  public:
   ObserveReactor(ServiceContext& host, grpc::CallbackServerContext& context)
       : engine_(host.engine),
+        streams_(host.streams),
         parking_(host.engine.workers()),
         context_(context),
         entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
@@ -36,6 +41,7 @@ class ObserveReactor final
   }
 
   void OnReadDone(bool ok) override {
+    received_ = std::chrono::steady_clock::now();
     Do(Turn::kServer, [this, ok] {
       const absl::Status reserved = ok ? entry_.ReserveRequest(request_) : absl::OkStatus();
       entry_.Post([this, ok, reserved] { ok ? Work(reserved) : Close(); });
@@ -106,14 +112,24 @@ class ObserveReactor final
       turn_ = stopping_ ? Turn::kNobody : Turn::kClient;
       if (turn_ == Turn::kClient) return StartRead(&request_);
     }
-    Finish(entry_.End(StoppingStatus()));
+    Leave(StoppingStatus());
   }
 
   // Ends the call at most once. The calling thread must not use this object afterwards.
   void End(grpc::Status status) {
     bool is_first = false;
     Do(Turn::kNobody, [&] { is_first = true; });
-    if (is_first) Finish(entry_.End(std::move(status)));
+    if (is_first) Leave(std::move(status));
+  }
+
+  // Ends the call, and with it its spectators' calls.
+  void Leave(grpc::Status status) {
+    if (registration_ != nullptr) {
+      const bool stops = status.error_code() == grpc::StatusCode::UNAVAILABLE;
+      registration_->stream().End(stops ? ServerStopping() : absl::OkStatus());
+      registration_.reset();
+    }
+    Finish(entry_.End(std::move(status)));
   }
 
   // The server stops. A call that waits for its client ends immediately, a busy one after its
@@ -139,7 +155,7 @@ class ObserveReactor final
       if (turn_ != Turn::kClient) return;
       turn_ = Turn::kNobody;
     }
-    Finish(entry_.End(status_of()));
+    Leave(status_of());
   }
 
   absl::Status Take() {
@@ -161,6 +177,15 @@ class ObserveReactor final
     auto session = OpenSession(request_.start());
     if (!session.ok()) return core::Within("start", session.status());
     session_ = *std::move(session);
+    v1::ObservedStream description;
+    SetTimestamp(NowMicroseconds(), *description.mutable_start_time());
+    if (const std::string caller = entry_.principal(); caller != kAnonymous) {
+      description.set_caller(caller);
+    }
+    const ObserveSetup& setup = session_->setup();
+    description.set_frame_rate_hz(setup.frame_rate_hz);
+    description.mutable_marker_names()->Add(setup.marker_names.begin(), setup.marker_names.end());
+    registration_ = streams_.Add(session_->database(), std::move(description));
     return absl::OkStatus();
   }
 
@@ -184,14 +209,34 @@ class ObserveReactor final
                               session_->Take(frames.first_frame(), FramesFrom(frames)));
     response_.Clear();
     SetStep(step, top_count_, response_);
+    Publish();
     return absl::OkStatus();
   }
 
+  // Without spectators it only counts.
+  void Publish() {
+    RunningStream& stream = registration_->stream();
+    const auto number = stream.CountAnswer(response_.frame());
+    if (!number) return;
+    v1::WatchStreamResponse published;
+    *published.mutable_answer() = response_;
+    if (const auto positions = session_->NewestPositions()) {
+      AppendPacked(positions->data(), static_cast<std::size_t>(positions->size()),
+                   *published.mutable_marker_positions());
+    }
+    published.set_latency_seconds(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - received_).count());
+    stream.Publish(*number, std::move(published));
+  }
+
   Engine& engine_;
+  RunningStreams& streams_;
+  std::chrono::steady_clock::time_point received_;  // the last message
   v1::ObserveRequest request_;
   v1::ObserveResponse response_;
   int top_count_ = 0;
   std::unique_ptr<ObserveSession> session_;
+  std::unique_ptr<RunningStreams::Registration> registration_;  // with session_, until the end
   bool checked_ = false;
   Parking parking_;
   std::atomic<bool> stopping_ = false;
@@ -239,6 +284,16 @@ class ObserveServiceImpl final : public v1::ObserveService::CallbackService {
                                       const v1::RepresentRequest* request,
                                       v1::RepresentResponse* response) override {
     return Answer<server::Represent>(host_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ListStreams(grpc::CallbackServerContext* context,
+                                        const v1::ListStreamsRequest* request,
+                                        v1::ListStreamsResponse* response) override {
+    return Answer<server::ListStreams>(host_, context, request, response);
+  }
+  grpc::ServerWriteReactor<v1::WatchStreamResponse>* WatchStream(
+      grpc::CallbackServerContext* context, const v1::WatchStreamRequest* request) override {
+    return new StreamReactor<v1::WatchStreamRequest, v1::WatchStreamResponse>(
+        host_, context, request, OpenWatchedStream);
   }
 
  private:

@@ -13,7 +13,8 @@ void Parking::BeginStep() {
 }
 
 void Parking::WakeOn(ChangeSignal& signal) {
-  if (subscription_ == nullptr) subscription_ = signal.Subscribe([this] { Wake(); });
+  auto& subscription = subscriptions_[&signal];
+  if (subscription == nullptr) subscription = signal.Subscribe([this] { Wake(); });
 }
 
 void Parking::Park(std::chrono::system_clock::time_point latest, std::function<void()> resume) {

@@ -1,9 +1,10 @@
-// Lets a call wait for a change of a database without a thread. A step of the call that cannot go
-// on subscribes to the changes and returns AwaitsChange(); the reactor then parks the call.
+// Lets a call wait for a change, as of a database, without a thread. A step of the call that cannot
+// go on subscribes to the changes and returns AwaitsChange(); the reactor then parks the call.
 #pragma once
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 
 #include "server/engine/change_signal.h"
@@ -22,7 +23,8 @@ class Parking {
 
   // Forgets earlier wakes. Call before each step.
   void BeginStep();
-  // From now on each change wakes the call. Has an effect only once.
+  // From now on each change wakes the call. Has an effect only once for each signal, which must
+  // live as long as the call uses it.
   void WakeOn(ChangeSignal& signal);
   // Calls `resume` once, on any thread: when woken since BeginStep, or soon after `latest`, which
   // is the same for all steps. It must not block.
@@ -41,7 +43,7 @@ class Parking {
   std::function<void()> resume_ ABSL_GUARDED_BY(mutex_);
   // Last: their callbacks use the members above.
   std::unique_ptr<IdleTimer> alarm_;  // null: never parked
-  std::unique_ptr<ChangeSignal::Subscription> subscription_;
+  std::map<const ChangeSignal*, std::unique_ptr<ChangeSignal::Subscription>> subscriptions_;
 };
 
 }  // namespace motiondb::server

@@ -85,6 +85,17 @@ absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
   };
 }
 
+absl::Status Find(const Call& call, const v1::FindRequest& request, v1::FindResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
+  const std::string& database = query.database()->name();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseFindOptions(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const SoughtMotion motion, ParseSoughtMotion(request, database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto matches, query.Find(motion, options));
+  SetMatches(matches, database, query.model(), response);
+  SetModelOf(query, response);
+  return absl::OkStatus();
+}
+
 absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
   const std::string& database = query.database()->name();
@@ -117,6 +128,11 @@ class QueryServiceImpl final : public v1::QueryService::CallbackService {
       grpc::CallbackServerContext* context, const v1::PredictSeriesRequest* request) override {
     return new StreamReactor<v1::PredictSeriesRequest, v1::PredictSeriesResponse>(
         host_, context, request, OpenSeries);
+  }
+  grpc::ServerUnaryReactor* Find(grpc::CallbackServerContext* context,
+                                 const v1::FindRequest* request,
+                                 v1::FindResponse* response) override {
+    return Answer<server::Find>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* Plan(grpc::CallbackServerContext* context,
                                  const v1::PlanRequest* request,

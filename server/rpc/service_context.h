@@ -6,6 +6,7 @@
 #include "server/rpc/call_limits.h"
 #include "server/rpc/call_memory.h"
 #include "server/rpc/call_registry.h"
+#include "server/rpc/running_streams.h"
 #include "server/security/access_control.h"
 
 namespace motiondb::server {
@@ -17,6 +18,7 @@ struct ServiceContext {
   CallMemory memory;
   CallRegistry registry;
   Monitor& monitor;
+  RunningStreams streams = {};
 };
 
 }  // namespace motiondb::server

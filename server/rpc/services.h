@@ -13,6 +13,10 @@
 namespace motiondb::v1 {
 class IngestClipRequest;
 class IngestClipResponse;
+class ImportDatabaseRequest;
+class ImportDatabaseResponse;
+class UploadClipRequest;
+class UploadClipResponse;
 class RestoreStoreRequest;
 class RestoreStoreResponse;
 class ObserveRequest;
@@ -29,6 +33,7 @@ std::unique_ptr<grpc::Service> MakeClipService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeSegmentService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeEditService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeModelService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeViewService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeOperationService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeQueryService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeObserveService(ServiceContext& host);
@@ -36,15 +41,24 @@ std::unique_ptr<grpc::Service> MakeAccessService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeStoreService(ServiceContext& host);
 std::unique_ptr<grpc::Service> MakeServerService(ServiceContext& host);
 
-// Reactors of the calls with special handling: IngestClip and RestoreStore (a file in blocks),
-// Observe, and WaitOperation (waits without a thread). gRPC owns them; they delete themselves in
-// OnDone.
+// Reactors of the calls with special handling: IngestClip, RestoreStore and ImportDatabase (a file
+// in blocks), UploadClip (may wait for motiondb-import), Observe, and WaitOperation (waits without
+// a thread). gRPC owns them; they delete themselves in OnDone.
 
 grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
     ServiceContext& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response);
 
+grpc::ServerUnaryReactor* NewUploadReactor(ServiceContext& host,
+                                           grpc::CallbackServerContext& context,
+                                           const v1::UploadClipRequest& request,
+                                           v1::UploadClipResponse& response);
+
 grpc::ServerReadReactor<v1::RestoreStoreRequest>* NewRestoreReactor(
     ServiceContext& host, grpc::CallbackServerContext& context, v1::RestoreStoreResponse& response);
+
+grpc::ServerReadReactor<v1::ImportDatabaseRequest>* NewImportReactor(
+    ServiceContext& host, grpc::CallbackServerContext& context,
+    v1::ImportDatabaseResponse& response);
 
 grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse>* NewObserveReactor(
     ServiceContext& host, grpc::CallbackServerContext& context);

@@ -10,19 +10,34 @@
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
 #include "server/translate/record_messages.h"
+#include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
 
-absl::StatusOr<MessageSource<v1::BackupStoreResponse>> OpenBackup(const Call& call,
-                                                                  const v1::BackupStoreRequest&) {
-  MOTIONDB_ASSIGN_OR_RETURN(auto made,
-                            call.engine.store().maintenance().BeginBackup(call.cancelled));
-  std::shared_ptr<storage::StoreBackup> backup = std::move(made);
-  return [backup, first = true](v1::BackupStoreResponse& message) mutable -> absl::StatusOr<bool> {
+// Returns the blocks of a backup; `Response` has the fields `total_bytes` and `block`.
+template <typename Response>
+MessageSource<Response> BlocksOf(std::shared_ptr<storage::StoreBackup> backup) {
+  return [backup = std::move(backup),
+          first = true](Response& message) mutable -> absl::StatusOr<bool> {
     if (std::exchange(first, false)) message.set_total_bytes(backup->total_bytes());
     return backup->Read(*message.mutable_block());
   };
+}
+
+absl::StatusOr<MessageSource<v1::BackupStoreResponse>> OpenBackup(const Call& call,
+                                                                  const v1::BackupStoreRequest&) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto backup,
+                            call.engine.store().maintenance().BeginBackup(call.cancelled));
+  return BlocksOf<v1::BackupStoreResponse>(std::move(backup));
+}
+
+absl::StatusOr<MessageSource<v1::ExportDatabaseResponse>> OpenDatabaseExport(
+    const Call& call, const v1::ExportDatabaseRequest& request) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(auto exported,
+                            call.engine.store().maintenance().BeginExport(id, call.cancelled));
+  return BlocksOf<v1::ExportDatabaseResponse>(std::move(exported));
 }
 
 void SetSummary(const storage::VerifyTotals& totals, v1::VerifySummary& summary) {
@@ -98,6 +113,15 @@ class StoreServiceImpl final : public v1::StoreService::CallbackService {
   grpc::ServerReadReactor<v1::RestoreStoreRequest>* RestoreStore(
       grpc::CallbackServerContext* context, v1::RestoreStoreResponse* response) override {
     return NewRestoreReactor(host_, *context, *response);
+  }
+  grpc::ServerWriteReactor<v1::ExportDatabaseResponse>* ExportDatabase(
+      grpc::CallbackServerContext* context, const v1::ExportDatabaseRequest* request) override {
+    return new StreamReactor<v1::ExportDatabaseRequest, v1::ExportDatabaseResponse>(
+        host_, context, request, OpenDatabaseExport);
+  }
+  grpc::ServerReadReactor<v1::ImportDatabaseRequest>* ImportDatabase(
+      grpc::CallbackServerContext* context, v1::ImportDatabaseResponse* response) override {
+    return NewImportReactor(host_, *context, *response);
   }
 
  private:

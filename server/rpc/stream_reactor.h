@@ -1,6 +1,6 @@
 // Server-streaming calls. Each message is made on a request thread after the previous one was
 // accepted, so a slow client needs no more memory. An idle client is disconnected. A source that
-// has no message yet waits for a change of a database (parking.h).
+// has no message yet waits for a change (parking.h).
 #pragma once
 
 #include <grpcpp/support/server_callback.h>
@@ -32,7 +32,8 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
                 Open open)
       : parking_(host.engine.workers()),
         entry_(host, *context, MethodOf<Request>(), [this] { parking_.Stop(); }),
-        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor, parking_},
+        call_{host.engine,  entry_.cancelled(), entry_.deadline(), entry_,
+              host.monitor, parking_,           host.streams},
         context_(*context),
         idle_timer_(host.engine.workers(), host.limits.options().idle_limit,
                     host.limits.options().idle_limit, [this] { OnIdle(); }) {

@@ -1,11 +1,10 @@
 #include "server/rpc/upload_reactor.h"
 
 #include <memory>
-#include <optional>
+#include <string>
 #include <utility>
 
 #include "core/motion/error.h"
-#include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/store.pb.h"
 #include "server/rpc/services.h"
 #include "server/translate/ingest_stream.h"
@@ -17,77 +16,10 @@ namespace motiondb::server {
 
 namespace {
 
-class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
- public:
-  IngestReactor(ServiceContext& host, grpc::CallbackServerContext& context,
-                v1::IngestClipResponse& response)
-      : UploadReactor(host, context, ReceiveThread::kGrpcThread),
-        engine_(host.engine),
-        response_(response),
-        stream_(engine_.options().max_file_bytes) {}
-
- private:
-  absl::Status Take(v1::IngestClipRequest& message) override {
-    MOTIONDB_RETURN_IF_ERROR(stream_.Take(std::move(message)));
-    MOTIONDB_RETURN_IF_ERROR(entry().ReserveFile(stream_.byte_count()));
-    if (database_ != nullptr) return absl::OkStatus();
-    MOTIONDB_ASSIGN_OR_RETURN(database_, engine_.FindDatabase(stream_.database()));
-    if (!stream_.validate_only()) {
-      MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));
-    }
-    return absl::OkStatus();
-  }
-
-  bool NeedsImport() const override { return stream_.needs_import(); }
-
-  absl::Status Import() override {
-    MOTIONDB_ASSIGN_OR_RETURN(request_, stream_.Finish());
-    return AtField("file_block", ImportBefore(*request_, Terms()));
-  }
-
-  absl::Status Answer() override {
-    if (!request_) {
-      MOTIONDB_ASSIGN_OR_RETURN(request_, stream_.Finish());
-    }
-    IngestRequest& request = *request_;
-    const bool validate_only = request.validate_only;
-    request.clip.author = entry().principal();
-    request.clip.audit = [this](const storage::ClipRecord& record) {
-      return entry().AuditRecordForChange(ClipName(record.database, record.id));
-    };
-    auto ingested = engine_.Ingest(database_, std::move(request), Terms());
-    if (!ingested.ok()) return AtField("file_block", ingested.status());
-    SetClip(ingested->clip, *response_.mutable_clip());
-    if (validate_only) {
-      entry().SetUnrecorded();
-    } else {
-      SetOperation(ingested->operation, *response_.mutable_operation());
-    }
-    in_flight_.reset();
-    return absl::OkStatus();
-  }
-
-  WorkOptions Terms() {
-    return {AllowedWork::kAllWork, entry().cancelled(),
-            [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }};
-  }
-
-  Engine& engine_;
-  v1::IngestClipResponse& response_;
-  IngestStream stream_;
-  std::shared_ptr<LiveDatabase> database_;
-  std::unique_ptr<ModelLifecycle::Ingest> in_flight_;
-  std::optional<IngestRequest> request_;
-};
-
-}  // namespace
-
-grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
-    ServiceContext& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response) {
-  return new IngestReactor(host, context, response);
+absl::Status CheckBlock(const std::string& block) {
+  if (block.size() <= kMaxBlockBytes) return absl::OkStatus();
+  return FieldViolation("block", "expected at most {} bytes, got {}", kMaxBlockBytes, block.size());
 }
-
-namespace {
 
 class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
  public:
@@ -102,10 +34,7 @@ class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
     if (restore_ == nullptr) {
       MOTIONDB_ASSIGN_OR_RETURN(restore_, engine_.store().maintenance().BeginRestore());
     }
-    if (message.block().size() > kMaxBlockBytes) {
-      return FieldViolation("block", "expected at most {} bytes, got {}", kMaxBlockBytes,
-                            message.block().size());
-    }
+    MOTIONDB_RETURN_IF_ERROR(CheckBlock(message.block()));
     return AtField("block", restore_->Append(message.block()));
   }
 
@@ -131,6 +60,63 @@ grpc::ServerReadReactor<v1::RestoreStoreRequest>* NewRestoreReactor(
     ServiceContext& host, grpc::CallbackServerContext& context,
     v1::RestoreStoreResponse& response) {
   return new RestoreReactor(host, context, response);
+}
+
+namespace {
+
+class ImportReactor final : public UploadReactor<v1::ImportDatabaseRequest> {
+ public:
+  ImportReactor(ServiceContext& host, grpc::CallbackServerContext& context,
+                v1::ImportDatabaseResponse& response)
+      : UploadReactor(host, context, ReceiveThread::kOnRequestThread),
+        engine_(host.engine),
+        response_(response) {}
+
+ private:
+  absl::Status Take(v1::ImportDatabaseRequest& message) override {
+    if (import_ == nullptr) {
+      database_ = message.database_id();
+      if (!database_.empty()) {
+        // Refuse before the client has sent the file.
+        MOTIONDB_RETURN_IF_ERROR(CheckDatabaseId("database_id", database_));
+        MOTIONDB_RETURN_IF_ERROR(engine_.CheckMayImport(database_));
+      }
+      MOTIONDB_ASSIGN_OR_RETURN(import_, engine_.store().maintenance().BeginImport());
+    } else if (!message.database_id().empty()) {
+      return FieldViolation("database_id", "expected only in the first message");
+    }
+    MOTIONDB_RETURN_IF_ERROR(CheckBlock(message.block()));
+    return AtField("block", import_->Append(message.block()));
+  }
+
+  absl::Status Answer() override {
+    if (import_ == nullptr) {
+      return AtField("block", core::InvalidArgument("the exported database is empty"));
+    }
+    const auto content = import_->Check(entry().cancelled());
+    if (!content.ok()) return AtField("block", content.status());
+    if (database_.empty()) database_ = content->record.name;
+    MOTIONDB_RETURN_IF_ERROR(CheckDatabaseId("database_id", database_));
+    const auto audit = entry().AuditRecordForChange(DatabaseName(database_));
+    MOTIONDB_RETURN_IF_ERROR(engine_.ImportDatabase(std::move(import_), *content, database_,
+                                                    {&audit, entry().cancelled()}));
+    response_.set_name(DatabaseName(database_));
+    response_.set_clip_count(content->clip_count);
+    return absl::OkStatus();
+  }
+
+  Engine& engine_;
+  v1::ImportDatabaseResponse& response_;
+  std::string database_;  // its id; empty: the exported one
+  std::unique_ptr<storage::DatabaseImport> import_;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<v1::ImportDatabaseRequest>* NewImportReactor(
+    ServiceContext& host, grpc::CallbackServerContext& context,
+    v1::ImportDatabaseResponse& response) {
+  return new ImportReactor(host, context, response);
 }
 
 }  // namespace motiondb::server

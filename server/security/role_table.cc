@@ -69,6 +69,7 @@ constexpr CallRule kRules[] = {
     {"QueryService.Estimate", kReader, kReads, kLight, kDatabase, "database"},
     {"QueryService.Predict", kReader, kReads, kLight, kDatabase, "database"},
     {"QueryService.PredictSeries", kReader, kReads, kHeavy, kDatabase, "prediction.database"},
+    {"QueryService.Find", kReader, kReads, kLight, kDatabase, "database"},
     {"QueryService.Plan", kReader, kReads, kHeavy, kDatabase, "database"},
 
     {"ObserveService.Observe", kReader, kReads, kStream, kDatabase, "start.database"},

@@ -8,6 +8,7 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/edit.pb.h"
 #include "motiondb/v1/segment.pb.h"
+#include "server/translate/annotation_values.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
 #include "text/display_text.h"
@@ -16,43 +17,14 @@ namespace motiondb::server {
 namespace {
 
 constexpr std::size_t kMaxLabelBytes = 255;
-constexpr std::size_t kMaxTitleBytes = 200;
-constexpr std::size_t kMaxClipDescriptionBytes = 4000;
-constexpr std::size_t kMaxFieldBytes = 1000;
-constexpr std::size_t kMaxNameBytes = 63;
-constexpr int kMaxTags = 64;
-constexpr int kMaxFields = 64;
+constexpr std::size_t kMaxWordBytes = 63;
 constexpr int kMaxChanges = 1000;
-
-bool IsLower(char c) { return c >= 'a' && c <= 'z'; }
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
-absl::Status CheckTag(std::string_view field, std::string_view tag) {
-  const bool valid =
-      !tag.empty() && tag.size() <= kMaxNameBytes && std::ranges::all_of(tag, [](char c) {
-        return IsLower(c) || IsDigit(c) || c == '-' || c == '_' || c == '.';
-      });
-  if (valid) return CheckNoToken(field, tag);
-  return FieldViolation(field, "expected 1 to 63 of a-z, 0-9, '-', '_', '.', got '{}'",
-                        text::SafeText(tag));
-}
-
-absl::Status CheckFieldName(std::string_view field, std::string_view name) {
-  const bool valid =
-      !name.empty() && name.size() <= kMaxNameBytes && IsLower(name.front()) &&
-      std::ranges::all_of(name, [](char c) { return IsLower(c) || IsDigit(c) || c == '_'; });
-  if (valid) return CheckNoToken(field, name);
-  return FieldViolation(
-      field,
-      "expected a field name of 1 to 63 of a-z, 0-9, '_' that begins with a letter, got '{}'",
-      text::SafeText(name));
-}
 
 // The name of a track or the id of a segment.
 absl::Status CheckSegmentWord(std::string_view field, std::string_view word) {
   const bool valid =
-      !word.empty() && word.size() <= kMaxNameBytes && std::ranges::all_of(word, [](char c) {
-        return IsLower(c) || IsDigit(c) || c == '-' || c == '_';
+      !word.empty() && word.size() <= kMaxWordBytes && std::ranges::all_of(word, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
       });
   if (valid) return CheckNoToken(field, word);
   return FieldViolation(field, "expected 1 to 63 of a-z, 0-9, '-', '_', got '{}'",
@@ -66,14 +38,6 @@ absl::Status CheckLabel(std::string_view field, const std::string& label) {
   return CheckPlainText(field, label, kMaxLabelBytes);
 }
 
-absl::Status CheckDescription(std::string_view field, const std::string& text) {
-  if (text.size() > kMaxClipDescriptionBytes) {
-    return FieldViolation(field, "expected at most {} bytes, got {}", kMaxClipDescriptionBytes,
-                          text.size());
-  }
-  return CheckPlainLines(field, text);
-}
-
 // An etag is the revision of the object. Returns 0 for the empty etag, which fits any.
 absl::StatusOr<std::int64_t> ParseEtag(std::string_view field, const std::string& etag) {
   if (etag.empty()) return 0;
@@ -82,64 +46,6 @@ absl::StatusOr<std::int64_t> ParseEtag(std::string_view field, const std::string
   const auto [parsed, error] = std::from_chars(etag.data(), end, revision);
   if (error == std::errc() && parsed == end && revision > 0) return revision;
   return FieldViolation(field, "expected the etag of a response, got '{}'", text::SafeText(etag));
-}
-
-absl::StatusOr<storage::FieldValue> ParseFieldValue(std::string_view field,
-                                                    const v1::FieldValue& value) {
-  switch (value.value_case()) {
-    case v1::FieldValue::kText:
-      MOTIONDB_RETURN_IF_ERROR(CheckPlainText(field, value.text(), kMaxFieldBytes));
-      return storage::FieldValue(value.text());
-    case v1::FieldValue::kNumber:
-      if (!std::isfinite(value.number())) {
-        return FieldViolation(field, "expected a finite number, got {}", value.number());
-      }
-      return storage::FieldValue(value.number());
-    case v1::FieldValue::kFlag:
-      return storage::FieldValue(value.flag());
-    case v1::FieldValue::kTime: {
-      constexpr std::int64_t kFirst = -62'135'596'800;  // of google.protobuf.Timestamp
-      constexpr std::int64_t kLast = 253'402'300'799;
-      const auto& time = value.time();
-      if (time.seconds() < kFirst || time.seconds() > kLast || time.nanos() < 0 ||
-          time.nanos() > 999'999'999) {
-        return FieldViolation(field, "expected a time of the years 1 to 9999");
-      }
-      return storage::FieldValue(
-          storage::FieldTime{time.seconds() * 1'000'000 + time.nanos() / 1000});
-    }
-    case v1::FieldValue::VALUE_NOT_SET:
-      break;
-  }
-  return FieldViolation(field, "expected one of text, number, flag, time");
-}
-
-absl::StatusOr<std::vector<std::string>> ParseTags(const v1::Clip& clip) {
-  if (clip.tags_size() > kMaxTags) {
-    return FieldViolation("clip.tags", "expected at most {} tags, got {}", kMaxTags,
-                          clip.tags_size());
-  }
-  for (int i = 0; i < clip.tags_size(); ++i) {
-    MOTIONDB_RETURN_IF_ERROR(CheckTag(fmt::format("clip.tags[{}]", i), clip.tags(i)));
-  }
-  std::vector<std::string> tags(clip.tags().begin(), clip.tags().end());
-  std::ranges::sort(tags);
-  tags.erase(std::ranges::unique(tags).begin(), tags.end());
-  return tags;
-}
-
-absl::StatusOr<storage::Fields> ParseFields(const v1::Clip& clip) {
-  if (clip.fields().size() > kMaxFields) {
-    return FieldViolation("clip.fields", "expected at most {} fields, got {}", kMaxFields,
-                          clip.fields().size());
-  }
-  storage::Fields fields;
-  for (const auto& [name, value] : clip.fields()) {
-    const std::string field = fmt::format("clip.fields[{}]", text::SafeText(name));
-    MOTIONDB_RETURN_IF_ERROR(CheckFieldName(field, name));
-    MOTIONDB_ASSIGN_OR_RETURN(fields[name], ParseFieldValue(field, value));
-  }
-  return fields;
 }
 
 constexpr std::string_view kFieldPrefix = "fields.";
@@ -157,18 +63,18 @@ absl::Status AddToChange(const v1::Clip& clip, const std::string& path,
   }
   if (path == "title") {
     change.title = clip.title();
-    return CheckPlainText("clip.title", clip.title(), kMaxTitleBytes);
+    return CheckTitle("clip.title", clip.title());
   }
   if (path == "description") {
     change.description = clip.description();
     return CheckDescription("clip.description", clip.description());
   }
   if (path == "tags") {
-    MOTIONDB_ASSIGN_OR_RETURN(change.tags, ParseTags(clip));
+    MOTIONDB_ASSIGN_OR_RETURN(change.tags, ParseTags("clip.tags", clip.tags()));
     return absl::OkStatus();
   }
   if (path == "fields") {
-    MOTIONDB_ASSIGN_OR_RETURN(change.fields, ParseFields(clip));
+    MOTIONDB_ASSIGN_OR_RETURN(change.fields, ParseFields("clip.fields", clip.fields()));
     return absl::OkStatus();
   }
   if (path.starts_with(kFieldPrefix)) {

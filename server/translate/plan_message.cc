@@ -7,11 +7,14 @@
 
 #include "core/export/motion_writer.h"
 #include "core/motion/error.h"
+#include "core/motion/forward_kinematics.h"
+#include "core/view/bones.h"
 #include "motiondb/v1/plan.pb.h"
 #include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/observation.h"
 #include "server/translate/resource_name.h"
+#include "server/translate/view_message.h"
 #include "text/utf8.h"
 
 namespace motiondb::server {
@@ -120,6 +123,14 @@ void SetFrames(const core::PlannedMotion& motion, v1::PlannedMotion& message) {
   const core::FrameMatrix angles = motion.joints->angles.cast<float>();
   AppendPacked(angles.data(), static_cast<std::size_t>(angles.size()),
                *message.mutable_joint_angles());
+  const core::Skeleton& skeleton = *motion.joints->skeleton;
+  for (const core::Joint& joint : skeleton.joints()) {
+    message.add_joint_names(text::ValidUtf8(joint.name));
+  }
+  AddBones(core::JointBones(skeleton), *message.mutable_joint_bones());
+  const core::FrameMatrix joints = core::JointPositions(*motion.joints);
+  AppendPacked(joints.data(), static_cast<std::size_t>(joints.size()),
+               *message.mutable_joint_positions());
 }
 
 // `number` is the number of the motion in the response, from 1.
@@ -281,15 +292,6 @@ absl::Status SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
     problem.max_joint_acceleration = request.max_joint_acceleration();
   }
   return absl::OkStatus();
-}
-
-// Returns the id in a parsed name. Returns INVALID_ARGUMENT if the name is not in `database`.
-absl::StatusOr<std::string> IdIn(const std::string& database, std::string_view field,
-                                 std::string_view what, const std::string& name,
-                                 const absl::StatusOr<MemberId>& parsed) {
-  if (!parsed.ok()) return parsed.status();
-  if (parsed->database == database) return parsed->id;
-  return FieldViolation(field, "expected a {} of databases/{}, got '{}'", what, database, name);
 }
 
 absl::Status SetStart(const v1::PlanRequest& request, const std::string& database,

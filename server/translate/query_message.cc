@@ -7,6 +7,7 @@
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/translate/message_fields.h"
+#include "server/translate/observation.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
@@ -98,6 +99,18 @@ absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
   return absl::OkStatus();
 }
 
+void SetMatches(const std::vector<core::MotionMatch>& matches, const std::string& database,
+                const core::Model& model, v1::FindResponse& message) {
+  const double rate = model.settings().frame_rate_hz;
+  for (const core::MotionMatch& match : matches) {
+    v1::FindMatch& to = *message.add_matches();
+    to.set_clip(ClipName(database, model.clips()[match.clip].id));
+    to.set_start_seconds(match.first_frame / rate);
+    to.set_end_seconds((match.first_frame + match.frame_count) / rate);
+    to.set_score(match.score);
+  }
+}
+
 void SetEstimation(const core::Estimation& estimation, const core::Model& model,
                    v1::EstimateResponse& message) {
   message.set_layer(estimation.layer);
@@ -169,6 +182,15 @@ absl::StatusOr<core::Method> MethodFrom(v1::Method method) {
   }
 }
 
+// The part of a motion from the start_seconds to the end_seconds of a message.
+template <typename Message>
+core::TimeRange PartOf(const Message& message) {
+  core::TimeRange part;
+  if (message.has_start_seconds()) part.start_seconds = message.start_seconds();
+  if (message.has_end_seconds()) part.end_seconds = message.end_seconds();
+  return part;
+}
+
 absl::StatusOr<core::Generation> GenerationFrom(v1::Generation generation) {
   switch (generation) {
     case v1::GENERATION_UNSPECIFIED:
@@ -197,6 +219,34 @@ absl::StatusOr<core::RecognizeOptions> ParseRecognizeOptions(const v1::Recognize
   if (request.has_path_count()) options.path_count = request.path_count();
   options.track = request.track();
   return options;
+}
+
+absl::StatusOr<core::FindOptions> ParseFindOptions(const v1::FindRequest& request) {
+  core::FindOptions options;
+  if (request.has_top_count()) options.top_count = request.top_count();
+  options.exhaustive = request.exhaustive();
+  MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(options));
+  return options;
+}
+
+absl::StatusOr<SoughtMotion> ParseSoughtMotion(const v1::FindRequest& request,
+                                               const std::string& database) {
+  SoughtMotion motion;
+  if (request.motion_case() == v1::FindRequest::kClipRange) {
+    const v1::ClipRange& range = request.clip_range();
+    for (const auto& [field, is_set] : {std::pair("start_seconds", request.has_start_seconds()),
+                                        std::pair("end_seconds", request.has_end_seconds())}) {
+      if (is_set) return FieldViolation(field, "expected none with clip_range, which has its own");
+    }
+    MOTIONDB_ASSIGN_OR_RETURN(motion.source, IdIn(database, "clip_range.clip", "clip", range.clip(),
+                                                  ParseClipName("clip_range.clip", range.clip())));
+    motion.part = PartOf(range);
+    return motion;
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(motion.source,
+                            ParseObservation("observation", request.observation(), database));
+  motion.part = PartOf(request);
+  return motion;
 }
 
 absl::StatusOr<core::EstimateOptions> ParseEstimateOptions(const v1::EstimateRequest& request) {

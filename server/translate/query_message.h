@@ -11,12 +11,16 @@
 #include "core/estimation/estimate.h"
 #include "core/observe/observer.h"
 #include "core/prediction/predict.h"
+#include "core/recognition/find_motion.h"
 #include "core/recognition/recognize.h"
 #include "server/engine/prediction_series.h"
+#include "server/engine/query.h"
 
 namespace motiondb::v1 {
 class EstimateRequest;
 class EstimateResponse;
+class FindRequest;
+class FindResponse;
 class LabelProbability;
 class NodeState;
 class ObserveStart;
@@ -36,6 +40,9 @@ namespace motiondb::server {
 absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
                             const std::string& database, const core::Model& model, int top_count,
                             v1::RecognizeResponse& message);
+
+void SetMatches(const std::vector<core::MotionMatch>& matches, const std::string& database,
+                const core::Model& model, v1::FindResponse& message);
 
 void SetEstimation(const core::Estimation& estimation, const core::Model& model,
                    v1::EstimateResponse& message);
@@ -57,9 +64,14 @@ void SetHorizons(const std::vector<core::PredictedFrame>& frames,
 // equivalent in core.
 
 absl::StatusOr<core::RecognizeOptions> ParseRecognizeOptions(const v1::RecognizeRequest& request);
+absl::StatusOr<core::FindOptions> ParseFindOptions(const v1::FindRequest& request);
 absl::StatusOr<core::EstimateOptions> ParseEstimateOptions(const v1::EstimateRequest& request);
 absl::StatusOr<core::PredictOptions> ParsePredictOptions(const v1::PredictRequest& request);
 absl::StatusOr<SeriesOptions> ParseSeriesOptions(const v1::PredictSeriesRequest& request);
 absl::StatusOr<core::ObserverOptions> ParseObserverOptions(const v1::ObserveStart& start);
+
+// Returns the motion to find; refers to the request. `database`: id.
+absl::StatusOr<SoughtMotion> ParseSoughtMotion(const v1::FindRequest& request,
+                                               const std::string& database);
 
 }  // namespace motiondb::server

@@ -282,6 +282,19 @@ v1::OperationKind ToProto(storage::OperationKind kind) {
 
 }  // namespace
 
+void SetSourcePoints(const core::SourcePoints& points, v1::UploadClipResponse& message) {
+  message.set_mapping(text::ValidUtf8(points.mapping));
+  for (const core::SourcePoint& point : points.points) {
+    v1::SourcePoint& to = *message.add_points();
+    to.set_name(text::ValidUtf8(point.name));
+    if (point.parent >= 0) to.set_parent_point(point.parent);
+    to.set_x_m(point.position_m[0]);
+    to.set_y_m(point.position_m[1]);
+    to.set_z_m(point.position_m[2]);
+    for (const std::string& marker : point.markers) to.add_marker_names(text::ValidUtf8(marker));
+  }
+}
+
 void SetOperation(const storage::OperationRecord& record, v1::Operation& message) {
   message.set_name(OperationName(record.id));
   message.set_database(DatabaseName(record.database));

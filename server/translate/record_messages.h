@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "absl/status/statusor.h"
+#include "core/inspection/source_points.h"
 #include "core/tree/feature_scale.h"
 #include "motiondb/v1/database.pb.h"
 #include "server/engine/live_database.h"
@@ -19,6 +20,7 @@ class Database;
 class DatabaseStatistics;
 class Operation;
 class Skeleton;
+class UploadClipResponse;
 }  // namespace motiondb::v1
 
 namespace motiondb::server {
@@ -69,6 +71,8 @@ inline v1::Scaling ToProto(core::Scaling scaling) {
 void SetClip(const storage::ClipRecord& record, v1::Clip& message);
 void SetSkeleton(const std::string& database, const storage::SkeletonRecord& record,
                  v1::Skeleton& message);
+
+void SetSourcePoints(const core::SourcePoints& points, v1::UploadClipResponse& message);
 
 void SetOperation(const storage::OperationRecord& record, v1::Operation& message);
 

@@ -91,6 +91,10 @@ absl::StatusOr<MemberId> ParseSkeletonName(std::string_view field, std::string_v
   return ParseMember(field, "databases/{database}/skeletons/{skeleton}", name);
 }
 
+absl::StatusOr<MemberId> ParseStreamName(std::string_view field, std::string_view name) {
+  return ParseMember(field, "databases/{database}/streams/{stream}", name);
+}
+
 absl::StatusOr<ModelId> ParseModelName(std::string_view field, std::string_view name) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto ids,
                             ParseIds(field, "databases/{database}/models/{version}", name));
@@ -108,6 +112,14 @@ absl::StatusOr<std::string> ParseOperationName(std::string_view field, std::stri
 absl::StatusOr<std::string> ParseTokenName(std::string_view field, std::string_view name) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto ids, ParseIds(field, "tokens/{token}", name));
   return ids[0];
+}
+
+absl::StatusOr<std::string> IdIn(const std::string& database, std::string_view field,
+                                 std::string_view what, const std::string& name,
+                                 const absl::StatusOr<MemberId>& parsed) {
+  if (!parsed.ok()) return parsed.status();
+  if (parsed->database == database) return parsed->id;
+  return FieldViolation(field, "expected a {} of databases/{}, got '{}'", what, database, name);
 }
 
 std::string DatabaseName(std::string_view database) {
@@ -129,6 +141,10 @@ std::string EditName(std::string_view database, std::int64_t edit) {
 
 std::string SkeletonName(std::string_view database, std::string_view skeleton) {
   return fmt::format("databases/{}/skeletons/{}", database, skeleton);
+}
+
+std::string StreamName(std::string_view database, std::string_view stream) {
+  return fmt::format("databases/{}/streams/{}", database, stream);
 }
 
 std::string ModelName(std::string_view database, int version) {

@@ -37,15 +37,23 @@ absl::StatusOr<MemberId> ParseClipName(std::string_view field, std::string_view 
 absl::StatusOr<SegmentId> ParseSegmentName(std::string_view field, std::string_view name);
 absl::StatusOr<EditId> ParseEditName(std::string_view field, std::string_view name);
 absl::StatusOr<MemberId> ParseSkeletonName(std::string_view field, std::string_view name);
+absl::StatusOr<MemberId> ParseStreamName(std::string_view field, std::string_view name);
 absl::StatusOr<ModelId> ParseModelName(std::string_view field, std::string_view name);
 absl::StatusOr<std::string> ParseOperationName(std::string_view field, std::string_view name);
 absl::StatusOr<std::string> ParseTokenName(std::string_view field, std::string_view name);
+
+// Returns the id in a name that was parsed. Returns INVALID_ARGUMENT if it is not in `database`.
+// `what`: the kind of resource, for the error.
+absl::StatusOr<std::string> IdIn(const std::string& database, std::string_view field,
+                                 std::string_view what, const std::string& name,
+                                 const absl::StatusOr<MemberId>& parsed);
 
 std::string DatabaseName(std::string_view database);
 std::string ClipName(std::string_view database, std::string_view clip);
 std::string SegmentName(std::string_view database, std::string_view clip, std::string_view segment);
 std::string EditName(std::string_view database, std::int64_t edit);
 std::string SkeletonName(std::string_view database, std::string_view skeleton);
+std::string StreamName(std::string_view database, std::string_view stream);
 std::string ModelName(std::string_view database, int version);
 std::string CurrentModelName(std::string_view database);
 std::string OperationName(std::string_view operation);

@@ -3,6 +3,7 @@
 #include <random>
 #include <string>
 
+#include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/plan.pb.h"
 #include "motiondb/v1/query.pb.h"
@@ -59,6 +60,19 @@ TEST_CASE("ParsedSize: large fields, packed numbers and texts", "[server][http2]
   for (int i = 0; i < 10'000; ++i) observe.mutable_start()->add_horizon_seconds(i);
   for (int i = 0; i < 10'000; ++i) observe.mutable_start()->add_marker_names("");
   CheckEstimate<v1::ObserveRequest>(observe.SerializeAsString());
+}
+
+TEST_CASE("ParsedSize: entries of maps", "[server][http2]") {
+  v1::UploadClipRequest upload;
+  for (int i = 0; i < 64; ++i) {
+    auto& field = (*upload.mutable_header()->mutable_fields())["field" + std::to_string(i)];
+    if (i % 2 == 0) {
+      field.set_text(std::string(i, 'x'));
+    } else {
+      field.set_number(i);
+    }
+  }
+  CheckEstimate<v1::UploadClipRequest>(upload.SerializeAsString());
 }
 
 TEST_CASE("ParsedSize: unknown fields, and bytes that are no message", "[server][http2]") {

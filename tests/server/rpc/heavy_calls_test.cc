@@ -30,9 +30,9 @@ TEST_CASE("RequestClass: the heavy and streaming calls exist in the protocol", "
     streams += rule.request_class == server::RequestClass::kStream ? 1 : 0;
     maintenance += rule.pool == server::Pool::kMaintenance ? 1 : 0;
   }
-  CHECK(heavy == 7);
-  CHECK(streams == 2);
-  CHECK(maintenance == 3);
+  CHECK(heavy == 11);
+  CHECK(streams == 3);
+  CHECK(maintenance == 5);
 }
 
 // Few frames at the lowest accepted rate, which become 100 s of motion in a database of 60 Hz.

@@ -132,6 +132,42 @@ TEST_CASE("IngestClip: each take is a clip, and can be replaced and derived agai
   CHECK(ClipNamed(server, other.clip().name()).frame_count() == other.clip().frame_count());
 }
 
+TEST_CASE("UploadClip: a file that motiondb-import reads, and its points", "[server][import]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  v1::UploadClipRequest request;
+  *request.mutable_header() = ImportHeader("walk.glb");
+  request.set_file(WalkGlb());
+  const auto stub = server.NewStub<v1::ClipService>();
+  const auto send = [&] { return Ask(*stub, &v1::ClipService::Stub::UploadClip, request); };
+  request.mutable_header()->set_validate_only(true);
+  const auto checked = send();
+  INFO(checked.status.error_message());
+  REQUIRE(checked.status.ok());
+  CHECK(checked.response.points_size() > 10);
+  request.mutable_header()->set_validate_only(false);
+  const auto stored = send();
+  INFO(stored.status.error_message());
+  REQUIRE(stored.status.ok());
+  CHECK(stored.response.clip().name() == "databases/db/clips/walk");
+  CHECK(stored.response.clip().frame_count() == checked.response.clip().frame_count());
+  CHECK(!stored.response.operation().name().empty());
+
+  request.set_file(TwoWalks());
+  request.mutable_header()->set_file_name("two.glb");
+  CHECK(send().status.error_message().find("take") != std::string::npos);
+  request.mutable_header()->mutable_conventions()->set_take("walk");
+  CHECK(send().response.clip().name() == "databases/db/clips/two-walk");
+  for (const char* const name : {"bad.glb", "bad.fbx", "bad.dae"}) {
+    INFO(name);
+    *request.mutable_header() = ImportHeader(name);
+    request.set_file("garbage");
+    const auto refused = send();
+    CHECK(refused.status.error_code() == StatusCode::INVALID_ARGUMENT);
+    CHECK(ViolatedFields(refused.status) == "file");
+  }
+}
+
 TEST_CASE("IngestClip: an import that takes long delays no other ingest, and ends when cancelled",
           "[server][import]") {
   server::ServerOptions options;

@@ -55,7 +55,7 @@ inline std::vector<std::string> ListServices(TestServer& server) {
 inline std::vector<std::string> ListOwnServices(TestServer& server) {
   std::vector<std::string> names = ListServices(server);
   std::erase_if(names, [](const std::string& name) { return !name.starts_with("motiondb."); });
-  REQUIRE(names.size() == 12);
+  REQUIRE(names.size() == 13);
   return names;
 }
 

@@ -9,6 +9,7 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
+#include "tests/server/rpc/observing_client.h"
 #include "tests/server/rpc/status_of.h"
 #include "tests/support/camera_points.h"
 #include "tests/support/real_data.h"
@@ -16,72 +17,12 @@
 namespace motiondb::tests::observe_service_test {
 namespace {
 
+using observing::Frames;
+using observing::Start;
+using observing::StartOfLargeAnswers;
+using observing::Stream;
+using observing::WalkingMarkers;
 using Stub = v1::ObserveService::Stub;
-using Reader = grpc::ClientReaderWriter<v1::ObserveRequest, v1::ObserveResponse>;
-
-// A walk as the frames of the database's markers.
-v1::MarkerObservation WalkingMarkers(TestServer& server) {
-  const auto stub = server.NewStub<v1::ObserveService>();
-  v1::RepresentRequest request;
-  request.set_database("databases/db");
-  *request.mutable_observation() = WalkObservation();
-  const auto answer = Ask(*stub, &Stub::Represent, request);
-  INFO(answer.status.error_message());
-  REQUIRE(answer.status.ok());
-  return answer.response.markers();
-}
-
-v1::ObserveRequest Start(const v1::MarkerObservation& motion) {
-  v1::ObserveRequest request;
-  v1::ObserveStart& start = *request.mutable_start();
-  start.set_database("databases/db");
-  *start.mutable_marker_names() = motion.marker_names();
-  start.set_frame_rate_hz(motion.frame_rate_hz());
-  return request;
-}
-
-// Frames [first, first + count) of a motion, numbered from `number`.
-v1::ObserveRequest Frames(const v1::MarkerObservation& motion, int first, int count,
-                          std::int64_t number) {
-  const std::size_t width = motion.positions().size() / motion.frame_count();
-  v1::ObserveRequest request;
-  v1::ObservedFrames& frames = *request.mutable_frames();
-  frames.set_first_frame(number);
-  frames.set_frame_count(count);
-  frames.set_positions(motion.positions().substr(first * width, count * width));
-  return request;
-}
-
-// Large responses soon fill the flow-control window.
-v1::ObserveRequest StartOfLargeAnswers(const v1::MarkerObservation& motion) {
-  v1::ObserveRequest start = Start(motion);
-  for (int h = 1; h <= 100; ++h) start.mutable_start()->add_horizon_seconds(0.01 * h);
-  return start;
-}
-
-// An open stream: sends one message and reads one response at a time.
-class Stream {
- public:
-  explicit Stream(TestServer& server)
-      : stub_(server.NewStub<v1::ObserveService>()), call_(stub_->Observe(&context_)) {}
-
-  bool Send(const v1::ObserveRequest& request) { return call_->Write(request); }
-  bool Receive(v1::ObserveResponse& response) { return call_->Read(&response); }
-  v1::ObserveResponse Ask(const v1::ObserveRequest& request) {
-    v1::ObserveResponse response;
-    REQUIRE(Send(request));
-    REQUIRE(Receive(response));
-    return response;
-  }
-  void Close() { call_->WritesDone(); }
-  grpc::Status Finish() { return call_->Finish(); }
-  void Cancel() { context_.TryCancel(); }
-
- private:
-  grpc::ClientContext context_;
-  std::unique_ptr<Stub> stub_;
-  std::unique_ptr<Reader> call_;
-};
 
 }  // namespace
 

@@ -102,6 +102,16 @@ TEST_CASE("Plan: the files have the motion of the response", "[server][rpc][plan
     }
   }
   CHECK(farthest < 0.01);
+  // The joints of the response are those of the file.
+  REQUIRE(planned.joint_names_size() == joints.skeleton->joint_count());
+  CHECK(planned.joint_bones_size() == planned.joint_names_size() - 1);
+  const std::vector<float> drawn = Unpack(planned.joint_positions());
+  REQUIRE(static_cast<Eigen::Index>(drawn.size()) == positions.size());
+  const Eigen::Map<const core::FrameMatrix> shown(drawn.data(), positions.rows(), positions.cols());
+  CHECK((shown - positions).cwiseAbs().maxCoeff() < 0.01F);
+  for (const v1::Bone& bone : planned.joint_bones()) {
+    CHECK(joints.skeleton->joints()[bone.to_point()].parent == bone.from_point());
+  }
 }
 
 TEST_CASE("Plan: starts from an observation", "[server][rpc][plan]") {

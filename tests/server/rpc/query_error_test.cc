@@ -87,6 +87,42 @@ TEST_CASE("QueryService: the error names the invalid option", "[server][rpc]") {
   predict("history_seconds", [](auto& r) { r.set_history_seconds(kNan); });
   predict("horizon_seconds[0]", [](auto& r) { r.add_horizon_seconds(-0.1); });
 
+  const auto find = [&](const std::string& field, const auto& change) {
+    auto request = RequestFor<v1::FindRequest>("db");
+    change(request);
+    const auto answer = Ask(*stub, &Stub::Find, request);
+    INFO(field << ": " << answer.status.error_message());
+    CHECK(ViolatedFields(answer.status) == field);
+  };
+  const auto of_clip = [](auto& r) { r.mutable_clip_range()->set_clip("databases/db/clips/walk"); };
+  find("top_count", [](auto& r) { r.set_top_count(0); });
+  find("top_count", [](auto& r) { r.set_top_count(1001); });
+  find("start_seconds", [](auto& r) { r.set_start_seconds(kNan); });
+  find("start_seconds", [](auto& r) { r.set_start_seconds(0.9); });
+  find("end_seconds", [](auto& r) { r.set_end_seconds(0.9); });
+  find("observation", [](auto& r) { r.clear_observation(); });
+  find("filter", [](auto& r) { r.set_filter("label ="); });
+  find("clip_range.clip", [](auto& r) { r.mutable_clip_range()->set_clip("walk"); });
+  find("clip_range.clip", [](auto& r) { r.mutable_clip_range()->set_clip("databases/a/clips/b"); });
+  find("clip_range.clip",
+       [](auto& r) { r.mutable_clip_range()->set_clip("databases/db/clips/no"); });
+  find("clip_range.end_seconds", [&](auto& r) {
+    of_clip(r);
+    r.mutable_clip_range()->set_end_seconds(0);
+  });
+  find("clip_range.start_seconds", [&](auto& r) {
+    of_clip(r);
+    r.mutable_clip_range()->set_start_seconds(-1);
+  });
+  find("end_seconds", [&](auto& r) {
+    of_clip(r);
+    r.set_end_seconds(1);
+  });
+  v1::FindRequest absent;
+  absent.set_database("databases/db");
+  absent.mutable_clip_range()->set_clip("databases/db/clips/no");
+  CHECK(ReasonOf(Ask(*stub, &Stub::Find, absent).status) == "CLIP_NOT_FOUND");
+
   v1::PredictSeriesRequest series;
   *series.mutable_prediction() = RequestFor<v1::PredictRequest>("db");
   const auto series_fields = [&] {

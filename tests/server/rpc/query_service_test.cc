@@ -48,6 +48,50 @@ TEST_CASE("QueryService: recognizes a walk", "[server][rpc]") {
   CHECK(whole.response.windows(0).clips_size() == 1);
 }
 
+TEST_CASE("QueryService: finds similar parts of clips", "[server][rpc]") {
+  const auto stub = TrainedServer().NewStub<v1::QueryService>();
+  auto request = RequestFor<v1::FindRequest>("db");
+  const auto observed = Ask(*stub, &Stub::Find, request);
+  INFO(observed.status.error_message());
+  REQUIRE(observed.status.ok());
+  CHECK(observed.response.model_version() == 1);
+  REQUIRE(observed.response.matches_size() >= 3);
+  CHECK(observed.response.matches_size() <= 10);
+  CHECK(observed.response.matches(0).clip() == "databases/db/clips/walk");
+  for (int i = 1; i < observed.response.matches_size(); ++i) {
+    CHECK(observed.response.matches(i).score() <= observed.response.matches(i - 1).score());
+    CHECK(observed.response.matches(i).end_seconds() >
+          observed.response.matches(i).start_seconds());
+  }
+
+  request.Clear();
+  request.set_database("databases/db");
+  request.mutable_clip_range()->set_clip("databases/db/clips/squat");
+  request.mutable_clip_range()->set_start_seconds(0.5);
+  request.mutable_clip_range()->set_end_seconds(1.25);
+  request.set_top_count(2);
+  const auto own = Ask(*stub, &Stub::Find, request);
+  REQUIRE(own.response.matches_size() == 2);
+  CHECK(own.response.matches(0).clip() == "databases/db/clips/squat");
+  CHECK(own.response.matches(0).start_seconds() == Approx(0.5));
+  CHECK(own.response.matches(0).end_seconds() == Approx(1.25));
+  CHECK(own.response.matches(0).score() == Approx(1).margin(1e-3));
+  request.set_exhaustive(true);
+  CHECK(Ask(*stub, &Stub::Find, request).response.SerializeAsString() ==
+        own.response.SerializeAsString());
+
+  request.set_filter("label != \"squat\"");
+  request.set_top_count(100);
+  const auto others = Ask(*stub, &Stub::Find, request);
+  REQUIRE(others.response.matches_size() >= 2);
+  for (const v1::FindMatch& match : others.response.matches()) {
+    CHECK(match.clip() != "databases/db/clips/squat");
+  }
+  request.set_filter("label = \"none\"");
+  CHECK(Ask(*stub, &Stub::Find, request).status.error_code() ==
+        grpc::StatusCode::FAILED_PRECONDITION);
+}
+
 TEST_CASE("QueryService: estimates node paths", "[server][rpc]") {
   const auto stub = TrainedServer().NewStub<v1::QueryService>();
   auto request = RequestFor<v1::EstimateRequest>("db");

@@ -114,6 +114,12 @@ TEST_CASE("PlanMessage: files have the names of their formats", "[server][transl
   REQUIRE(Set(answer, true, bvh, body).ok());
   CHECK(bvh.motion().dof_names_size() == 6);
   CHECK(bvh.motion().joint_angles().size() == 2 * 6 * 4);
+  CHECK(Names(bvh.motion().joint_names().begin(), bvh.motion().joint_names().end()) ==
+        Names{"base", "elbow", "plate", "wrist"});
+  REQUIRE(bvh.motion().joint_bones_size() == 3);
+  CHECK(bvh.motion().joint_bones(2).from_point() == 2);
+  CHECK(bvh.motion().joint_bones(2).to_point() == 3);
+  CHECK(bvh.motion().joint_positions().size() == 2 * 4 * 3 * 4);
   CHECK(bvh.motion().file().file_name() == "plan.bvh");
   CHECK(bvh.motion().file().data().starts_with("HIERARCHY"));
   CHECK(bvh.alternatives(0).file().file_name() == "plan-2.bvh");

@@ -1,0 +1,63 @@
+// The motion of a stored clip as points, for pictures.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/motion/matrix.h"
+#include "core/view/bones.h"
+#include "server/engine/representation.h"
+#include "storage/records.h"
+
+namespace motiondb::core {
+struct MarkerScheme;
+class Skeleton;
+}  // namespace motiondb::core
+
+namespace motiondb::server {
+
+class Engine;
+class LiveDatabase;
+
+// Points and bones.
+struct Figure {
+  std::vector<std::string> marker_names;
+  std::vector<core::BoneEnds> marker_bones;
+  std::vector<std::string> joint_names;  // empty: no skeleton
+  std::vector<core::BoneEnds> joint_bones;
+};
+
+// Frames of a clip, at the database's frame rate; m, world, floor at z = 0.
+struct ClipMotion {
+  Figure figure;
+  double frame_rate_hz = 0;
+  core::FrameMatrix markers_m;         // frames x 3 N_v
+  core::FrameMatrix joints_m;          // frames x 3 * joints; empty if not asked for
+  std::vector<std::uint8_t> contacts;  // core::StandingFeet
+
+  int frame_count() const { return static_cast<int>(markers_m.rows()); }
+};
+
+// Returns the figure of a database: without joints, and without bones until it has a model, unless
+// its markers are the joints of a stored skeleton. Codes: NOT_FOUND; FAILED_PRECONDITION (no marker
+// set yet); errors of the store.
+absl::StatusOr<Figure> DatabaseFigure(Engine& engine, const std::string& database);
+
+// Returns the figure of a clip. Its bones are those of the database's figure; before there is a
+// model, those of the clip's own motion. Codes as above.
+absl::StatusOr<Figure> ClipFigure(Engine& engine, const storage::ClipRecord& clip,
+                                  const WorkOptions& terms);
+
+// Reads the motion of a clip. With `joints`, reads the file of the clip again and computes the
+// joints of its skeleton; a clip without a skeleton has none. Long clips and joints are heavy work:
+// see IsHeavyWork. Codes as above; also RESOURCE_EXHAUSTED, DATA_LOSS, CANCELLED, those of
+// ReadSource, and FAILED_PRECONDITION if the file no longer gives the stored frames (a mapping
+// changed since: reprocess).
+absl::StatusOr<ClipMotion> ReadClipMotion(Engine& engine, const storage::ClipRecord& clip,
+                                          bool joints, const WorkOptions& terms);
+
+}  // namespace motiondb::server

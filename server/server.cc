@@ -84,7 +84,8 @@ constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService", "motiondb.v1.ClipService",    "motiondb.v1.ModelService",
     "motiondb.v1.SegmentService",  "motiondb.v1.EditService",    "motiondb.v1.OperationService",
     "motiondb.v1.QueryService",    "motiondb.v1.ObserveService", "motiondb.v1.AccessService",
-    "motiondb.v1.StoreService",    "motiondb.v1.ServerService",  "motiondb.v1.MarkerSetService"};
+    "motiondb.v1.StoreService",    "motiondb.v1.ServerService",  "motiondb.v1.MarkerSetService",
+    "motiondb.v1.ViewService"};
 
 }  // namespace
 
@@ -141,6 +142,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
   services_.push_back(MakeSegmentService(*host_));
   services_.push_back(MakeEditService(*host_));
   services_.push_back(MakeModelService(*host_));
+  services_.push_back(MakeViewService(*host_));
   services_.push_back(MakeOperationService(*host_));
   services_.push_back(MakeQueryService(*host_));
   services_.push_back(MakeObserveService(*host_));
@@ -172,9 +174,10 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   MOTIONDB_ASSIGN_OR_RETURN(listener_, Listener::Start(options.listen, {.tls = tls_.get()},
                                                        make_http2, monitor_->connections()));
   if (!options.web_listen.empty()) {
-    MOTIONDB_ASSIGN_OR_RETURN(
-        gateway_, Gateway::Start(options.web_listen, tls_.get(), host_->access.authentication(),
-                                 bridge, monitor_->connections()));
+    MOTIONDB_ASSIGN_OR_RETURN(gateway_, Gateway::Start({.listen = options.web_listen,
+                                                        .tls = tls_.get(),
+                                                        .web_root = options.web_root},
+                                                       *host_, bridge));
   }
   address_ =
       fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), listener_->port());

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include "core/motion/error.h"
 #include "server/gateway/connect_error.h"
 #include "server/gateway/envelope.h"
+#include "server/gateway/header_value.h"
 #include "server/http2/grpc_wire.h"
 #include "server/translate/status_mapping.h"
 
@@ -37,35 +37,6 @@ grpc::Status Fault(absl::StatusCode code, fmt::format_string<Args...> format, Ar
   return ToGrpcStatus(absl::Status(code, fmt::format(format, std::forward<Args>(args)...)));
 }
 
-std::string_view Trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  });
-  return lower;
-}
-
-// Returns whether a list of codings contains gzip with a quality above 0.
-bool AcceptsGzip(std::string_view list) {
-  while (!list.empty()) {
-    const auto comma = std::min(list.find(','), list.size());
-    const std::string item = Lower(list.substr(0, comma));
-    list.remove_prefix(std::min(comma + 1, list.size()));
-    const auto semicolon = std::min(item.find(';'), item.size());
-    if (Trimmed(std::string_view(item).substr(0, semicolon)) != "gzip") continue;
-    const auto quality = item.find("q=", semicolon);
-    return quality == std::string::npos ||
-           item.find_first_of("123456789", quality) != std::string::npos;
-  }
-  return false;
-}
-
 // Returns the RPC of exactly this path; null if there is none in the package.
 const google::protobuf::MethodDescriptor* FindMethod(const std::string& path) {
   const auto* const method = FindRpc(path);
@@ -84,7 +55,7 @@ grpc::Status ReadCodings(const HttpRequest& head, ConnectRequest& request) {
   const Coding names = request.streams
                            ? Coding{"connect-content-encoding", "connect-accept-encoding"}
                            : Coding{"content-encoding", "accept-encoding"};
-  const std::string content = Lower(Trimmed(head.Find(names.content)));
+  const std::string content = LowerCase(Trimmed(head.Find(names.content)));
   if (!content.empty() && content != "identity" && content != "gzip") {
     return Fault(absl::StatusCode::kUnimplemented, "{}: expected gzip or identity, got '{}'",
                  names.content, content);
@@ -128,7 +99,7 @@ grpc::Status ReadFields(const HttpRequest& head, ConnectRequest& request) {
 
 // Fills in codec and framing. False: the method does not have this content type.
 bool ReadContentType(std::string_view text, ConnectRequest& request) {
-  const std::string type = Lower(Trimmed(text.substr(0, text.find(';'))));
+  const std::string type = LowerCase(Trimmed(text.substr(0, text.find(';'))));
   const bool is_stream = type == "application/connect+json" || type == "application/connect+proto";
   if (!is_stream && type != "application/json" && type != "application/proto") return false;
   request.is_json = type.ends_with("json");

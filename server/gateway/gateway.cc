@@ -1,6 +1,7 @@
 #include "server/gateway/gateway.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <string_view>
@@ -12,6 +13,10 @@
 #include "server/gateway/connect_request.h"
 #include "server/gateway/gateway_call.h"
 #include "server/gateway/openapi_json.h"
+#include "server/gateway/page_answer.h"
+#include "server/gateway/page_cookie.h"
+#include "server/gateway/page_files.h"
+#include "server/gateway/session.h"
 #include "server/http1/http1_connection.h"
 #include "server/listen/listener.h"
 #include "server/security/security_options.h"
@@ -45,12 +50,19 @@ Http1Limits LimitsOf(const CallLimitOptions& options) {
 class ConnectHandler final : public HttpHandler {
  public:
   // `is_open`: only this machine can reach the port, and calls need no token.
-  ConnectHandler(std::shared_ptr<CallBridge> bridge, ThreadPool& converters, bool is_open)
-      : bridge_(std::move(bridge)), converters_(converters), is_open_(is_open) {}
+  ConnectHandler(std::shared_ptr<CallBridge> bridge, ThreadPool& converters, SessionContext session,
+                 PageFiles page, bool is_open)
+      : bridge_(std::move(bridge)),
+        converters_(converters),
+        session_(session),
+        page_(std::move(page)),
+        is_open_(is_open) {}
 
   std::variant<HttpResponse, std::shared_ptr<HttpWork>> Accept(
       const HttpRequest& request, const std::shared_ptr<HttpExchange>& exchange) override {
     if (request.path == kOpenApiPath) return OpenApi(request);
+    if (IsSessionRequest(request)) return AnswerSessionRequest(session_, request, exchange);
+    if (IsPageRequest(request)) return AnswerPageRequest(page_, request, exchange);
     auto parsed = ParseConnectRequest(request);
     if (auto* const refusal = std::get_if<HttpResponse>(&parsed)) return std::move(*refusal);
     auto& connect = std::get<ConnectRequest>(parsed);
@@ -61,6 +73,10 @@ class ConnectHandler final : public HttpHandler {
           connect, ToGrpcStatus(absl::PermissionDeniedError(
                        "without authentication, expected an address or localhost in Host; set "
                        "--authentication token")));
+    }
+    if (session_.host.access.authentication()) {
+      const absl::Status allowed = AuthorizeByCookie(request, session_.has_tls, connect);
+      if (!allowed.ok()) return ErrorResponse(connect, ToGrpcStatus(allowed));
     }
     return std::make_shared<GatewayCall>(*bridge_, converters_, std::move(connect), exchange);
   }
@@ -79,26 +95,49 @@ class ConnectHandler final : public HttpHandler {
 
   const std::shared_ptr<CallBridge> bridge_;
   ThreadPool& converters_;
+  const SessionContext session_;
+  const PageFiles page_;
   const bool is_open_;
 };
 
-Gateway::Gateway() : converters_(std::make_unique<ThreadPool>(kConverterThreads)) {}
+namespace {
+
+// Returns the page; without files if it is not installed.
+absl::StatusOr<PageFiles> ReadPage(const std::string& web_root) {
+  auto page = PageFiles::Read(web_root.empty() ? InstalledPageFolder() : web_root);
+  if (absl::IsNotFound(page.status())) {
+    spdlog::info("web page not installed, HTTP API only: {}", std::string(page.status().message()));
+    return PageFiles();
+  }
+  if (!page.ok())
+    return core::InvalidArgument("web-root: {}", std::string(page.status().message()));
+  return page;
+}
+
+}  // namespace
+
+Gateway::Gateway()
+    : converters_(std::make_unique<ThreadPool>(kConverterThreads)),
+      sessions_(std::make_unique<ThreadPool>(1)) {}
 
 Gateway::~Gateway() = default;
 
-absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(const std::string& listen, const Tls* tls,
-                                                        bool authenticates,
-                                                        std::shared_ptr<CallBridge> bridge,
-                                                        ConnectionMeter& meter) {
+absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& options,
+                                                        ServiceContext& host,
+                                                        std::shared_ptr<CallBridge> bridge) {
+  MOTIONDB_ASSIGN_OR_RETURN(PageFiles page, ReadPage(options.web_root));
+  const std::string& listen = options.listen;
   std::unique_ptr<Gateway> gateway(new Gateway());
-  gateway->handler_ = std::make_unique<ConnectHandler>(std::move(bridge), *gateway->converters_,
-                                                       !authenticates && IsLoopback(listen));
+  gateway->handler_ = std::make_unique<ConnectHandler>(
+      std::move(bridge), *gateway->converters_,
+      SessionContext{host, *gateway->sessions_, options.tls != nullptr}, std::move(page),
+      !host.access.authentication() && IsLoopback(listen));
   const auto make = [&handler = *gateway->handler_,
                      limits = LimitsOf(gateway->handler_->options())](AcceptedClient client) {
     return std::make_shared<Http1Connection>(handler, limits, std::move(client));
   };
-  auto listener =
-      Listener::Start(listen, {.tls = tls, .protocol = TlsProtocol::kHttp1}, make, meter);
+  auto listener = Listener::Start(listen, {.tls = options.tls, .protocol = TlsProtocol::kHttp1},
+                                  make, host.monitor.connections());
   if (!listener.ok()) {
     return absl::Status(listener.status().code(),
                         fmt::format("web-listen: {}", std::string(listener.status().message())));

@@ -1,5 +1,6 @@
 // The HTTP port: the Connect protocol (connectrpc.com) over HTTP/1.1 for every RPC of motiondb.v1
-// that does not stream requests. It passes each request to the gRPC server of this process.
+// that does not stream requests, the web page, and the login of its user. It passes each request of
+// an RPC to the gRPC server of this process.
 #pragma once
 
 #include <chrono>
@@ -8,7 +9,6 @@
 
 #include "absl/status/statusor.h"
 #include "server/http2/call_bridge.h"
-#include "server/listen/connection_meter.h"
 #include "server/security/tls.h"
 
 namespace motiondb::server {
@@ -16,16 +16,23 @@ namespace motiondb::server {
 class Listener;
 class ThreadPool;
 class ConnectHandler;
+struct ServiceContext;
+
+struct GatewayOptions {
+  std::string listen;        // HOST:PORT; port 0 selects a free port
+  const Tls* tls = nullptr;  // null: plain text
+  std::string web_root;      // folder of the web page; empty: InstalledPageFolder()
+};
 
 // Thread-safe; owns its sockets and threads.
 class Gateway {
  public:
-  // Listens at HOST:PORT; port 0 selects a free port. `tls`: null for plain text. `authenticates`:
-  // calls need a token. `tls` and `meter` must outlive the gateway. Errors: those of ListenOn.
-  static absl::StatusOr<std::unique_ptr<Gateway>> Start(const std::string& listen, const Tls* tls,
-                                                        bool authenticates,
-                                                        std::shared_ptr<CallBridge> bridge,
-                                                        ConnectionMeter& meter);
+  // Reads the web page and listens. If the page is not installed, a line is logged, and requests
+  // for it get 404. `tls` and `host` must outlive the gateway. Errors: those of ListenOn;
+  // INVALID_ARGUMENT if the page cannot be read.
+  static absl::StatusOr<std::unique_ptr<Gateway>> Start(const GatewayOptions& options,
+                                                        ServiceContext& host,
+                                                        std::shared_ptr<CallBridge> bridge);
   // Waits until gRPC has released its calls. They must have ended.
   ~Gateway();
 
@@ -38,7 +45,9 @@ class Gateway {
  private:
   Gateway();
 
-  std::unique_ptr<ThreadPool> converters_;  // the members below use it
+  // The members below use the threads.
+  std::unique_ptr<ThreadPool> converters_;
+  std::unique_ptr<ThreadPool> sessions_;
   std::unique_ptr<ConnectHandler> handler_;
   std::unique_ptr<Listener> listener_;
   std::string address_;

@@ -51,7 +51,7 @@ class Http1Connection final : public ClientConnection,
   const std::string& common_name() const override { return common_name_; }
   bool draining() const override { return draining_; }
   void Respond(HttpResponse response) override;
-  void BeginStream(HttpResponse head) override;
+  void BeginStream(HttpResponse head, std::optional<std::size_t> body_bytes) override;
   void SendPart(std::string part) override;
   void EndStream() override;
 

@@ -4,6 +4,7 @@
 
 #include <boost/beast/http/status.hpp>
 #include <ctime>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -13,16 +14,18 @@ namespace motiondb::server {
 
 void Http1Connection::Respond(HttpResponse response) {
   if (closed_ || closing_since_.has_value()) return;
-  WriteHead(response, response.body.size());
+  chunked_ = false;
+  const bool has_length = response.status != 304;  // it would be that of another response
+  WriteHead(response, has_length ? std::optional(response.body.size()) : std::nullopt);
   if (request_.method != "HEAD") Write(response.body);
   EndRequest();
 }
 
-void Http1Connection::BeginStream(HttpResponse head) {
+void Http1Connection::BeginStream(HttpResponse head, std::optional<std::size_t> body_bytes) {
   if (closed_ || closing_since_.has_value()) return;
-  chunked_ = parser_->get().version() == 11;
-  keeps_alive_ = keeps_alive_ && chunked_;
-  WriteHead(head, std::nullopt);
+  chunked_ = !body_bytes.has_value() && parser_->get().version() == 11;
+  keeps_alive_ = keeps_alive_ && (chunked_ || body_bytes.has_value());
+  WriteHead(head, body_bytes);
 }
 
 void Http1Connection::SendPart(std::string part) {

@@ -6,6 +6,7 @@
 // except where noted.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -52,8 +53,9 @@ class HttpExchange {
 
   // Ends the request. Call it once, or BeginStream, any number of SendPart, and EndStream.
   virtual void Respond(HttpResponse response) = 0;
-  // The body of `head` is not used.
-  virtual void BeginStream(HttpResponse head) = 0;
+  // The body of `head` is not used. `body_bytes`: size of all parts together, if it is known.
+  virtual void BeginStream(HttpResponse head,
+                           std::optional<std::size_t> body_bytes = std::nullopt) = 0;
   // HttpWork::OnSent follows.
   virtual void SendPart(std::string part) = 0;
   virtual void EndStream() = 0;

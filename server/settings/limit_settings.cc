@@ -73,9 +73,10 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
   AddCallLimit(app, "--max-heavy-calls", calls.heavy,
                "heavy calls (ingests, exports, plans, series of predictions, backups, queries of "
                "more than 1 MiB or with a long motion)");
-  AddCallLimit(app, "--max-streams", calls.streams, "Observe streams");
+  AddCallLimit(app, "--max-streams", calls.streams,
+               "Observe, WatchStream and WatchDatabase streams");
   AddSeconds(app, "--call-time-limit", calls.max_call_time, 1, 86400,
-             "Maximum duration of a call; not for Observe streams, WaitOperation, and backup, "
+             "Maximum duration of a call; not for these streams, WaitOperation, and backup, "
              "restore and verification of the store")
       ->group("Limits");
   AddSeconds(app, "--silence-limit", calls.idle_limit, 1, 86400,

@@ -51,12 +51,17 @@ void AddNetworkSettings(CLI::App& app, Settings& settings) {
          [&settings](const std::string& listen) {
            settings.server.web_listen = listen == "none" ? "" : listen;
          },
-         "Address of the HTTP API: every RPC by the Connect protocol, as JSON or protobuf, with "
-         "the TLS and the authentication of the gRPC listener; port 0: any free port; none: no "
-         "HTTP API")
+         "Address of the web page and of the HTTP API: every RPC by the Connect protocol, as JSON "
+         "or protobuf, with the TLS and the authentication of the gRPC listener; port 0: any free "
+         "port; none: no web page and no HTTP API")
       ->type_name("HOST:PORT")
       ->check(ListenAddressOrNone())
       ->default_str("none")
+      ->group("Network");
+  app.add_option("--web-root", settings.server.web_root,
+                 "Folder of the built web page, read at start; if not set: the installed page, "
+                 "../share/motiondb/web of the folder of motiondbd")
+      ->type_name("FOLDER")
       ->group("Network");
   AddSeconds(app, "--grace-seconds", settings.grace, 0, 3600,
              "Time that running calls may take after SIGTERM")

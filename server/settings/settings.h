@@ -16,6 +16,7 @@ namespace motiondb::server {
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: any free port
   std::string web_listen;                  // of the HTTP API; empty: none
+  std::string web_root;                    // folder of the web page; empty: the installed one
   int max_message_bytes = 16 << 20;        // of a request; a query may contain a whole file
   CallLimitOptions calls;
   SecurityOptions security;

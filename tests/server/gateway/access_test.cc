@@ -1,12 +1,16 @@
 // Authentication and identity of clients of the HTTP API.
 #include <catch2/catch.hpp>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "motiondb/v1/access.grpc.pb.h"
 #include "server/security/authorize.h"
+#include "storage/access_store.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"
+#include "tests/support/certificates.h"
+#include "tests/support/temporary_directory.h"
 
 namespace motiondb::tests::access_test {
 namespace {
@@ -71,6 +75,50 @@ TEST_CASE("Gateway: clients cannot set their address or certificate", "[server][
   const json audit = json::parse(Post(server.address(), kAudit, {kJson}, "{}").body);
   REQUIRE(!audit["entries"].empty());
   for (const json& entry : audit["entries"]) CHECK(entry["peer"] == "127.0.0.1");
+}
+
+// Sends a request with curl, which makes TLS connections. Returns the response.
+json CurlOverTls(const std::string& address, const char* path, const std::string& body,
+                 const Authority& authority, const KeyPairFiles* client = nullptr) {
+  std::string command = "curl -sS --max-time 20 --cacert " + authority.certificate();
+  if (client != nullptr) command += " --cert " + client->certificate + " --key " + client->key;
+  command += " -H 'Content-Type: application/json' -d '" + body + "' " + address + path + " 2>&1";
+  FILE* const pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::string text;
+  char bytes[4096];
+  while (const std::size_t size = fread(bytes, 1, sizeof(bytes), pipe)) text.append(bytes, size);
+  pclose(pipe);
+  INFO(text);
+  const json answer = json::parse(text, nullptr, false);
+  REQUIRE(!answer.is_discarded());
+  return answer;
+}
+
+TEST_CASE("Gateway: a client certificate has the role of certificates", "[server][gateway]") {
+  const TemporaryDirectory folder;
+  const Authority authority(folder / "", "ca");
+  const KeyPairFiles own = authority.Issue("server", "localhost");
+  const KeyPairFiles robot = authority.Issue("robot", "robot-7");
+  WebServer server;
+  server::SecurityOptions& security = server->options().security;
+  security.authentication = server::Authentication::kToken;
+  security.tls = {own.certificate, own.key, authority.certificate()};
+  security.certificate_role = storage::Role::kIngester;
+  server->Restart();
+  const auto call = [&](const char* path, const std::string& body, const KeyPairFiles* client) {
+    return CurlOverTls(server.address(), path, body, authority, client);
+  };
+  CHECK(call(kList, "{}", &robot) == json::object());
+  // An ingester cannot create databases.
+  CHECK(call(kCreate, R"({"databaseId":"a"})", &robot)["code"] == "permission_denied");
+
+  security.certificate_role = storage::Role::kAdmin;
+  server->Restart();
+  CHECK(call(kCreate, R"({"databaseId":"a"})", &robot)["database"]["name"] == "databases/a");
+  const json audit = call(kAudit, "{}", &robot);
+  REQUIRE(!audit["entries"].empty());
+  CHECK(audit["entries"][0]["principal"] == "certificate:robot-7");
 }
 
 TEST_CASE("Gateway: names of other hosts are refused without authentication", "[server][gateway]") {

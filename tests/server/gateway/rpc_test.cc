@@ -29,10 +29,10 @@ using google::protobuf::DescriptorPool;
 using google::protobuf::MethodDescriptor;
 using nlohmann::json;
 
-constexpr const char* kServices[] = {"DatabaseService",  "ClipService",    "ModelService",
-                                     "OperationService", "QueryService",   "ObserveService",
-                                     "AccessService",    "StoreService",   "ServerService",
-                                     "MarkerSetService", "SegmentService", "EditService"};
+constexpr const char* kServices[] = {
+    "DatabaseService", "ClipService",   "ModelService", "OperationService", "QueryService",
+    "ObserveService",  "AccessService", "StoreService", "ServerService",    "MarkerSetService",
+    "SegmentService",  "EditService",   "ViewService"};
 
 std::vector<const MethodDescriptor*> Methods() {
   std::vector<const MethodDescriptor*> methods;
@@ -75,13 +75,20 @@ std::map<std::string, json> Requests() {
           {"ListNodes", {{"parent", "databases/demo/models/1"}, {"layer", 2}}},
           {"ListTransitions", {{"parent", "databases/demo/models/1"}, {"layer", 2}}},
           {"ListOperations", {{"parent", "databases/demo"}}},
+          {"ListStreams", {{"parent", "databases/demo"}}},
           {"Recognize", observed},
           {"Estimate", observed},
           {"Predict", predict},
+          {"Find", observed},
           {"Represent", observed},
           {"PredictSeries", {{"prediction", observed}, {"everySeconds", 0.2}}},
           {"Plan", plan},
           {"ExportClip", {{"name", "databases/demo/clips/walk"}}},
+          {"GetFigure", {{"name", "databases/demo/clips/walk"}}},
+          {"GetNodePoses",
+           {{"parent", "databases/demo/models/current"}, {"layer", 2}, {"nodeIds", {1, 0}}}},
+          {"ReadClipMotion", {{"name", "databases/demo/clips/walk"}, {"joints", true}}},
+          {"ReadStateMap", {{"parent", "databases/demo/models/current"}, {"maxPoints", 30}}},
           {"ReadStates", {{"name", "databases/demo/models/1"}}}};
 }
 
@@ -197,7 +204,8 @@ TEST_CASE("Gateway: streams have the messages of gRPC", "[server][gateway]") {
   const auto requests = Requests();
   for (const char* const name :
        {"QueryService.PredictSeries", "ClipService.ExportClip", "ModelService.ReadStates",
-        "StoreService.VerifyStore", "StoreService.BackupStore"}) {
+        "ViewService.ReadClipMotion", "ViewService.ReadStateMap", "StoreService.VerifyStore",
+        "StoreService.BackupStore"}) {
     INFO(name);
     const auto* const method =
         DescriptorPool::generated_pool()->FindMethodByName(std::string("motiondb.v1.") + name);

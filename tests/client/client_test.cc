@@ -5,6 +5,7 @@
 #include <motiondb/v1/operation.pb.h>
 #include <motiondb/v1/plan.pb.h>
 #include <motiondb/v1/query.pb.h>
+#include <motiondb/v1/view.pb.h>
 
 #include <catch2/catch.hpp>
 #include <thread>
@@ -240,6 +241,49 @@ TEST_CASE("Client: a series calls back for each message until the callback fails
   const absl::Status stopped = client.PredictSeries({}, keep);
   CHECK(stopped.code() == absl::StatusCode::kResourceExhausted);
   CHECK(moments.size() == 5);
+}
+
+TEST_CASE("Client: reads maps and motion until the callback fails", "[client]") {
+  FakeServer server;
+  v1::ReadStateMapResponse header, nodes;
+  header.mutable_header()->set_node_count(2);
+  nodes.mutable_nodes()->add_node_ids(1);
+  server.Answer("ReadStateMap", header, nodes);
+  v1::ReadClipMotionResponse block;
+  block.set_frame_count(3);
+  server.Answer("ReadClipMotion", block, block);
+  v1::GetFigureResponse figure;
+  figure.mutable_figure()->add_marker_names("LHip");
+  server.Answer("GetFigure", figure);
+  v1::GetNodePosesResponse poses;
+  poses.set_layer(4);
+  server.Answer("GetNodePoses", poses);
+
+  const Client client = ConnectTo(server.address());
+  std::string parts;
+  v1::ReadStateMapRequest map;
+  map.set_parent("databases/db/models/current");
+  const absl::Status read = client.ReadStateMap(map, [&](const v1::ReadStateMapResponse& part) {
+    parts += part.has_header() ? "h" : "n";
+    return absl::OkStatus();
+  });
+  CHECK(read.ok());
+  CHECK(parts == "hn");
+  CHECK(server.Requests<v1::ReadStateMapRequest>("ReadStateMap").at(0).parent() == map.parent());
+  int frames = 0;
+  const absl::Status stopped =
+      client.ReadClipMotion({}, [&](const v1::ReadClipMotionResponse& received) {
+        frames += received.frame_count();
+        return absl::DataLossError("enough");
+      });
+  CHECK(stopped == absl::DataLossError("enough"));
+  CHECK(frames == 3);
+  const auto seen_figure = client.GetFigure({});
+  REQUIRE(seen_figure.ok());
+  CHECK(seen_figure->figure().marker_names(0) == "LHip");
+  const auto seen_poses = client.GetNodePoses({});
+  REQUIRE(seen_poses.ok());
+  CHECK(seen_poses->layer() == 4);
 }
 
 TEST_CASE("Client: receives a plan of 100 MB", "[client]") {

@@ -88,13 +88,15 @@ TEST_CASE("Clip list: title, description, tags and fields", "[client][cli]") {
                             "a.bvh\twalk\tA walk\tLong.\tslow, outdoor,\t70\t07\n"
                             "b.bvh\twalk\t\t\t\t\t\n");
   REQUIRE(clips.ok());
-  const ClipEdit& first = (*clips)[0].details;
+  const client::ClipEntry& first = (*clips)[0];
   CHECK(first.title == "A walk");
   CHECK(first.description == "Long.");
   CHECK(first.tags == std::vector<std::string>{"slow", "outdoor"});
   CHECK(first.fields.at("weight").number() == 70);
   CHECK(first.fields.at("run").text() == "07");
-  CHECK((*clips)[1].details.empty());
+  const client::ClipEntry& second = (*clips)[1];
+  CHECK((second.title + second.description).empty());
+  CHECK((second.tags.empty() && second.fields.empty()));
   const auto wrong = client::ParseClipList("a.tsv", "path\tlabel\tfield.w:number\na\tb\theavy\n");
   CHECK(std::string(wrong.status().message()) ==
         "a.tsv:2: field.w:number: w: expected a finite number, got heavy");

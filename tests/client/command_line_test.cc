@@ -277,6 +277,61 @@ TEST_CASE("motiondb predict: one time, or one line for each", "[client][cli]") {
   CHECK(series[0].prediction().horizon_seconds_size() == 6);
 }
 
+TEST_CASE("motiondb find: a part of files or of a clip", "[client][cli]") {
+  FakeServer server;
+  v1::FindResponse answer;
+  v1::FindMatch& match = *answer.add_matches();
+  match.set_clip("databases/walks/clips/07_01");
+  match.set_start_seconds(1.5);
+  match.set_end_seconds(3);
+  match.set_score(0.75);
+  server.Answer("Find", answer);
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
+  const auto text = RunMotiondb(server.address(), {"find", "walks", file, "--from", "0.5", "--to",
+                                                   "2", "--top", "3", "--filter", "label = \"a\""});
+  CHECK(text.out == "CLIP   FROM (s)  TO (s)  SCORE\n07_01      1.50    3.00  0.750\n");
+  const auto json = RunMotiondb(
+      server.address(), {"find", "walks", "--clip", "07_01@1.5-3", "--exhaustive", "--json"});
+  CHECK_THAT(json.out,
+             StartsWith("{\"matches\":[{\"clip\":\"databases/walks/clips/07_01\",\"start_seconds\":"
+                        "1.5,\"end_seconds\":3,\"score\":0.75}]"));
+  folder.Write("b.bvh", "HIERARCHY");
+  const auto csv =
+      RunMotiondb(server.address(), {"find", "walks", folder.path().string(), "--csv"});
+  CHECK_THAT(csv.out, StartsWith("FILE,CLIP,FROM (s),TO (s),SCORE\n") &&
+                          Contains("b.bvh,07_01,1.5,3,0.75\n"));
+  const auto requests = server.Requests<v1::FindRequest>("Find");
+  REQUIRE(requests.size() == 4);
+  CHECK(requests[0].database() == "databases/walks");
+  CHECK(requests[0].observation().file().data() == "HIERARCHY");
+  CHECK(requests[0].start_seconds() == 0.5);
+  CHECK(requests[0].end_seconds() == 2);
+  CHECK(requests[0].top_count() == 3);
+  CHECK(requests[0].filter() == "label = \"a\"");
+  CHECK(!requests[0].exhaustive());
+  CHECK(requests[1].clip_range().clip() == "databases/walks/clips/07_01");
+  CHECK(requests[1].clip_range().start_seconds() == 1.5);
+  CHECK(requests[1].clip_range().end_seconds() == 3);
+  CHECK(requests[1].exhaustive());
+  CHECK(requests[1].top_count() == 10);
+  CHECK(!requests[2].has_start_seconds());
+
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{},
+                                                {file, "--clip", "a@1-2"},
+                                                {"--clip", "a"},
+                                                {"--clip", "a@1"},
+                                                {"--clip", "a@2-1"},
+                                                {"--clip", "@1-2"},
+                                                {"--clip", "a@1-2", "--from", "1"},
+                                                {file, "--top", "1001"},
+                                                {file, "--from", "-1"}}) {
+    std::vector<std::string> words = {"find", "walks"};
+    words.insert(words.end(), wrong.begin(), wrong.end());
+    CHECK(RunMotiondb(server.address(), words).exit_code == 2);
+  }
+}
+
 TEST_CASE("motiondb export: writes the files and prints their paths", "[client][cli]") {
   FakeServer server;
   v1::ExportClipResponse header, block;

@@ -7,10 +7,12 @@
 #include <motiondb/v1/edit.grpc.pb.h>
 #include <motiondb/v1/marker_set.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
+#include <motiondb/v1/observe.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
 #include <motiondb/v1/segment.grpc.pb.h>
 #include <motiondb/v1/server.grpc.pb.h>
+#include <motiondb/v1/view.grpc.pb.h>
 
 #include <chrono>
 #include <thread>
@@ -149,6 +151,15 @@ struct FakeServer::Services {
     FakeServer& fake;
   };
 
+  struct Views : v1::ViewService::Service {
+    explicit Views(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(GetFigure)
+    MOTIONDB_FAKE_UNARY(GetNodePoses)
+    MOTIONDB_FAKE_STREAM(ReadClipMotion)
+    MOTIONDB_FAKE_STREAM(ReadStateMap)
+    FakeServer& fake;
+  };
+
   struct Queries : v1::QueryService::Service {
     explicit Queries(FakeServer& server) : fake(server) {}
     MOTIONDB_FAKE_UNARY(Recognize)
@@ -156,6 +167,13 @@ struct FakeServer::Services {
     MOTIONDB_FAKE_UNARY(Predict)
     MOTIONDB_FAKE_UNARY(Plan)
     MOTIONDB_FAKE_STREAM(PredictSeries)
+    MOTIONDB_FAKE_UNARY(Find)
+    FakeServer& fake;
+  };
+
+  struct Observations : v1::ObserveService::Service {
+    explicit Observations(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(Represent)
     FakeServer& fake;
   };
 
@@ -190,7 +208,9 @@ struct FakeServer::Services {
         segments(fake),
         edits(fake),
         models(fake),
+        views(fake),
         queries(fake),
+        observations(fake),
         operations(fake),
         access(fake),
         status(fake) {}
@@ -201,7 +221,9 @@ struct FakeServer::Services {
   Segments segments;
   Edits edits;
   Models models;
+  Views views;
   Queries queries;
+  Observations observations;
   Operations operations;
   Access access;
   Server status;
@@ -230,7 +252,9 @@ void FakeServer::Listen() {
   builder.RegisterService(&services_->segments);
   builder.RegisterService(&services_->edits);
   builder.RegisterService(&services_->models);
+  builder.RegisterService(&services_->views);
   builder.RegisterService(&services_->queries);
+  builder.RegisterService(&services_->observations);
   builder.RegisterService(&services_->operations);
   builder.RegisterService(&services_->access);
   builder.RegisterService(&services_->status);

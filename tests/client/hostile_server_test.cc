@@ -38,7 +38,11 @@ void CheckHarmless(const std::string& output) {
 
 TEST_CASE("DisplayText: used by pictures and progress lines", "[client][cli]") {
   CheckHarmless(client::SvgText(kHostile));
-  CheckHarmless(client::SvgLabel("title", 0, 0, kHostile, ""));
+  client::Canvas canvas;
+  canvas.SetTitle(kHostile);
+  canvas.Label("title", 0, 0, kHostile);
+  canvas.Circle("title", 0, 0, 1).tooltip = kHostile;
+  CheckHarmless(client::SvgOf(canvas));
   CheckHarmless(client::ProgressLine(0.5, kHostile, 80));
   // Text is cut between characters.
   for (int columns = 35; columns < 50; ++columns) {

@@ -52,6 +52,44 @@ TEST_CASE("motiondb ingest: sends files and a list, and waits for the new model"
   }
 }
 
+TEST_CASE("motiondb ingest: title, description, tags and fields are sent with the file",
+          "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  server.Answer("IngestClip", StoredClip("a", "operations/1"));
+  server.Answer("IngestClip", StoredClip("b", "operations/2"));
+  const TemporaryFolder folder;
+  const std::string a = folder.Write("a.bvh", "a").string();
+  folder.Write("b.bvh", "b");
+  const std::string list =
+      folder
+          .Write("list.tsv", "path\tlabel\ttitle\ttags\tfield.run:text\nb.bvh\twalk\tB\tslow\t07\n")
+          .string();
+  const auto result =
+      RunMotiondb(server.address(),
+                  {"ingest", "walks", a, "--list", list, "--title", "T", "--description", "D",
+                   "--tag", "x", "--tag", "y", "--field", "run:text=01", "--field", "kg=72.5"});
+  CHECK(result.err == "");
+  CHECK(result.exit_code == 0);
+  const auto headers = IngestHeaders(server);
+  REQUIRE(headers.size() == 2);
+  CHECK(headers[0].title() == "T");
+  CHECK(headers[0].description() == "D");
+  CHECK(std::vector<std::string>(headers[0].tags().begin(), headers[0].tags().end()) ==
+        std::vector<std::string>{"x", "y"});
+  CHECK(headers[0].fields().at("run").text() == "01");
+  CHECK(headers[0].fields().at("kg").number() == 72.5);
+  CHECK(headers[1].title() == "B");
+  CHECK(headers[1].description() == "D");
+  CHECK(std::vector<std::string>(headers[1].tags().begin(), headers[1].tags().end()) ==
+        std::vector<std::string>{"slow", "x", "y"});
+  CHECK(headers[1].fields().at("run").text() == "07");
+  CHECK(headers[1].fields().at("kg").number() == 72.5);
+  const auto wrong = RunMotiondb(server.address(), {"ingest", "walks", a, "--field", "kg"});
+  CHECK(wrong.exit_code == 2);
+  CHECK_THAT(wrong.err, Contains("NAME=VALUE"));
+}
+
 TEST_CASE("motiondb ingest: prints clip and report of one file, of several with --verbose",
           "[client][cli]") {
   FakeServer server;

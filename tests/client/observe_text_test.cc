@@ -22,6 +22,14 @@ TEST_CASE("ObserveAnswerLine: labels, state, prediction and a new model", "[clie
   CHECK_THAT(line, Catch::Contains("familiarity 0.50") && Catch::Contains("node   37 0.88") &&
                        !Catch::Contains("kick") && !Catch::Contains("ahead") &&
                        !Catch::Contains("model"));
+  v1::TrackLabels& carries = *answer.add_other_tracks();
+  carries.set_track("carries");
+  carries.add_labels()->set_label("box");
+  carries.mutable_labels(0)->set_probability(0.75);
+  CHECK_THAT(ObserveAnswerLine(answer, 12.5, 0.5), Catch::EndsWith("  carries: box 0.75"));
+  carries.mutable_labels(0)->set_probability(0.25);
+  CHECK_THAT(ObserveAnswerLine(answer, 12.5, 0.5), Catch::EndsWith("  carries: none 0.75"));
+  answer.clear_other_tracks();
   v1::PredictedFrame& ahead = *answer.add_horizons();
   ahead.set_seconds(0.4);
   ahead.set_expected_error_m(0.036);

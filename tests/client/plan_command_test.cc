@@ -282,7 +282,7 @@ TEST_CASE("motiondb plan: refuses invalid options before the call", "[client][cl
   refused(2, "--alternatives", {"--goal", "2,1,0", "--alternatives", "11"});
   refused(2, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan.fbx"});
   refused(2, "bvh|trc|c3d|csv|npz|glb", {"--goal", "2,1,0", "--out", "plan"});
-  refused(2, "FILE.svg", {"--goal", "2,1,0", "--plot", "plan.png"});
+  refused(2, "FILE.svg", {"--goal", "2,1,0", "--plot", "plan.pdf"});
   refused(1, "none.urdf", {"--goal", "2,1,0", "--skeleton", "none.urdf"});
   CHECK(server.Requests<v1::PlanRequest>("Plan").empty());
 }

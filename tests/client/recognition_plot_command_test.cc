@@ -99,10 +99,10 @@ TEST_CASE("motiondb recognize --plot-profile: failures leave no file", "[client]
   const TemporaryFolder folder;
   const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
   const auto wrong =
-      RunMotiondb(server.address(), {"recognize", "walks", file, "--plot", "picture.png"});
+      RunMotiondb(server.address(), {"recognize", "walks", file, "--plot", "picture.pdf"});
   CHECK(wrong.exit_code == 2);
   CHECK(wrong.out == "");
-  CHECK_THAT(wrong.err, Contains("--plot picture.png") && Contains("FILE.svg"));
+  CHECK_THAT(wrong.err, Contains("--plot picture.pdf") && Contains("FILE.svg"));
   CHECK(server.Requests<v1::RecognizeRequest>("Recognize").empty());
   const auto gone = RunMotiondb(server.address(), {"recognize", "walks", file, "--plot-profile",
                                                    (folder / "a.svg").string()});

@@ -19,10 +19,15 @@ using Catch::Contains;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+std::string ProfileSvg(const v1::RecognizeRequest& request,
+                       const std::vector<v1::RecognizeResponse>& layers) {
+  return SvgOf(ProfilePicture(request, layers));
+}
+
 TEST_CASE("ProfilePlot: a line for each clip and layer, a strip of winners", "[client][cli]") {
   const std::vector<v1::RecognizeResponse> layers = {WalkThenJog(12), WalkThenJog(6),
                                                      WalkThenJog(3)};
-  const std::string svg = ProfilePlotSvg(RecognizeWalks(), layers);
+  const std::string svg = ProfileSvg(RecognizeWalks(), layers);
   auto elements = ElementsInGroups(svg);
   CHECK(elements["path.clip best c0"] == 3);  // jog
   CHECK(elements["path.clip best c1"] == 3);  // walk
@@ -40,13 +45,13 @@ TEST_CASE("ProfilePlot: a line for each clip and layer, a strip of winners", "[c
                       Contains("<title>clip-002 (jog)</title>"));
   CHECK_THAT(svg, Contains(">-1000<") && Contains("middle of the window (s)"));
   CHECK_THAT(svg, !Contains("nan") && !Contains("inf") && !Contains("-0.00"));
-  CHECK(svg == ProfilePlotSvg(RecognizeWalks(), layers));
+  CHECK(svg == ProfileSvg(RecognizeWalks(), layers));
 
   v1::RecognizeRequest one_layer = RecognizeWalks();
   one_layer.set_layer(6);
   one_layer.set_generation(v1::GENERATION_TOP_PATHS);
   one_layer.set_path_count(5);
-  CHECK_THAT(ProfilePlotSvg(one_layer, {WalkThenJog(6)}),
+  CHECK_THAT(ProfileSvg(one_layer, {WalkThenJog(6)}),
              !Contains("bottom of the tree") && Contains("best 5 paths"));
 }
 
@@ -62,23 +67,23 @@ TEST_CASE("ProfilePlot: chosen layers", "[client][cli]") {
 }
 
 TEST_CASE("ProfilePlot: one window is a dash as wide as the window", "[client][cli]") {
-  const std::string svg = ProfilePlotSvg(RecognizeWalks(), {WalkThenJog(12, 1)});
+  const std::string svg = ProfileSvg(RecognizeWalks(), {WalkThenJog(12, 1)});
   auto elements = ElementsInGroups(svg);
   CHECK(elements["path.clip c1"] + elements["path.clip best c1"] == 2);
   CHECK(elements["rect.winner a1"] == 1);
   CHECK_THAT(svg,
-             Contains("one window of 0.4 s") && Contains("d=\"M80.00 ") && Contains("L934.00 "));
+             Contains("one window of 0.4 s") && Contains("d=\"M80.00 ") && Contains("H934.00"));
 }
 
 TEST_CASE("ProfilePlot: no windows, no answer, no clips", "[client][cli]") {
   for (const auto& layers : {std::vector<v1::RecognizeResponse>{},
                              std::vector<v1::RecognizeResponse>{v1::RecognizeResponse()}}) {
-    const std::string svg = ProfilePlotSvg(RecognizeWalks(), layers);
+    const std::string svg = ProfileSvg(RecognizeWalks(), layers);
     CHECK(ElementsInGroups(svg).empty());
     CHECK(Count(svg, ">no windows<") == 1);
   }
   const std::string svg =
-      ProfilePlotSvg(RecognizeWalks(), {Answer(3, 4, {}, [](int, int) { return 0.0; })});
+      ProfileSvg(RecognizeWalks(), {Answer(3, 4, {}, [](int, int) { return 0.0; })});
   CHECK(ElementsInGroups(svg).empty());
   CHECK_THAT(svg, Contains(">no clips<"));
 }
@@ -89,7 +94,7 @@ TEST_CASE("ProfilePlot: values that are not finite are omitted and counted", "[c
     if (clip == 0) return window == 2 ? -kInfinity : window == 3 ? std::nan("") : -5.0 - window;
     return clip == 1 && window == 4 ? -70.0 : clip == 1 ? kInfinity : -kInfinity;
   });
-  const std::string svg = ProfilePlotSvg(RecognizeWalks(), {layer});
+  const std::string svg = ProfileSvg(RecognizeWalks(), {layer});
   auto elements = ElementsInGroups(svg);
   CHECK(elements["path.clip best c1"] == 1);
   CHECK(elements["path.clip c1"] == 1);
@@ -100,7 +105,7 @@ TEST_CASE("ProfilePlot: values that are not finite are omitted and counted", "[c
   CHECK(!profile.winners[2]);
   CHECK(profile.winners[4] == "walk");
 
-  const std::string nothing = ProfilePlotSvg(
+  const std::string nothing = ProfileSvg(
       RecognizeWalks(), {Answer(9, 8, {"walk", "jog"}, [](int, int) { return -kInfinity; })});
   CHECK(ElementsInGroups(nothing).empty());
   CHECK_THAT(nothing, Contains(">no clip explains any window<") &&
@@ -109,9 +114,9 @@ TEST_CASE("ProfilePlot: values that are not finite are omitted and counted", "[c
 
 TEST_CASE("ProfilePlot: values below the axis are clipped and counted", "[client][cli]") {
   const std::string svg =
-      ProfilePlotSvg(RecognizeWalks(), {Answer(9, 4, {"walk", "jog"}, [](int clip, int window) {
-                       return clip == 0 ? -2.0 : window == 1 ? -1e300 : -2e6;
-                     })});
+      ProfileSvg(RecognizeWalks(), {Answer(9, 4, {"walk", "jog"}, [](int clip, int window) {
+                   return clip == 0 ? -2.0 : window == 1 ? -1e300 : -2e6;
+                 })});
   ElementsInGroups(svg);
   CHECK_THAT(svg, Contains("4 of 8 lie below<") && Contains(">-1e6<"));
   CHECK(svg.size() < 20000);
@@ -124,14 +129,14 @@ TEST_CASE("ProfilePlot: windows with invalid times are omitted", "[client][cli]"
   layer.mutable_windows(3)->set_end_seconds(-1);
   layer.mutable_windows(4)->set_end_seconds(1e300);
   CHECK(LayerProfileFrom(layer).windows.size() == 6);
-  ElementsInGroups(ProfilePlotSvg(RecognizeWalks(), {layer}));
+  ElementsInGroups(ProfileSvg(RecognizeWalks(), {layer}));
 }
 
 TEST_CASE("ProfilePlot: names are escaped and shortened", "[client][cli]") {
   const std::string label = "<kick> & \"punch\"";
   v1::RecognizeRequest request = RecognizeWalks();
   request.mutable_observation()->mutable_file()->set_file_name(std::string(300, 'f') + "<&>.bvh");
-  const std::string svg = ProfilePlotSvg(
+  const std::string svg = ProfileSvg(
       request, {Answer(9, 20, {label, std::string(500, 'x'), ""},
                        [](int clip, int window) { return -1.0 - (clip + window) % 3; })});
   ElementsInGroups(svg);
@@ -147,7 +152,7 @@ TEST_CASE("ProfilePlot: of hundreds of clips the best are lines, the others a ba
   const auto layer = Answer(9, 6, labels, [](int clip, int window) {
     return clip == 290 - window % 2 ? -1.0 : -50.0 - clip;
   });
-  const std::string svg = ProfilePlotSvg(RecognizeWalks(), {layer});
+  const std::string svg = ProfileSvg(RecognizeWalks(), {layer});
   auto elements = ElementsInGroups(svg);
   CHECK(elements["path.clip best c0"] == 1);
   CHECK(elements["path.clip best c1"] == 1);
@@ -169,7 +174,7 @@ TEST_CASE("ProfilePlot: up to 24 clips are lines", "[client][cli]") {
   for (const int clips : {24, 25}) {
     const auto layer = Answer(9, 6, std::vector<std::string>(clips, "walk"),
                               [](int clip, int) { return -10.0 * (clip + 1); });
-    auto elements = ElementsInGroups(ProfilePlotSvg(RecognizeWalks(), {layer}));
+    auto elements = ElementsInGroups(ProfileSvg(RecognizeWalks(), {layer}));
     CHECK(elements["path.clip best c0"] == 1);
     CHECK(elements["path.clip c0"] == (clips == 24 ? 23 : 2));
     CHECK(elements["path.band"] == (clips == 24 ? 0 : 1));
@@ -186,7 +191,7 @@ TEST_CASE("ProfilePlot: the numbers of lines and of labels in the legend are lim
       return clip == 100 * (number % 2) + window % 25 ? -1.0 : -50.0 - clip;
     });
   };
-  const std::string svg = ProfilePlotSvg(RecognizeWalks(), {layer(9), layer(8)});
+  const std::string svg = ProfileSvg(RecognizeWalks(), {layer(9), layer(8)});
   auto elements = ElementsInGroups(svg);
   int lines = 0;
   for (const auto& [element, count] : elements) lines += element.starts_with("path.clip") * count;
@@ -207,7 +212,7 @@ TEST_CASE("ProfilePlot: the band has the quantiles of the other clips", "[client
     if (window == 2 || (window == 3 && clip != 50)) return -kInfinity;
     return -97.0 - clip;
   });
-  const std::string svg = ProfilePlotSvg(RecognizeWalks(), {layer});
+  const std::string svg = ProfileSvg(RecognizeWalks(), {layer});
   ElementsInGroups(svg);
   const auto at = svg.find("<path class=\"band\" d=\"");
   REQUIRE(at != std::string::npos);
@@ -219,8 +224,8 @@ TEST_CASE("ProfilePlot: the band has the quantiles of the other clips", "[client
   const auto y = [&](double value) {
     return SvgNumber(HeadingHeight(2) + 24 + 176 * axis.Fraction(value));
   };
-  CHECK_THAT(data, Contains(" " + y(-104) + "L") && Contains(" " + y(-195) + "L") &&
-                       Contains(" " + y(-147) + "L"));
+  CHECK_THAT(data, Contains(" " + y(-104) + "H") && Contains("V" + y(-195) + "H") &&
+                       Contains(" " + y(-147) + "H"));
   CHECK_THAT(data, !Contains(y(-100)) && !Contains(y(-199)));
 }
 
@@ -228,19 +233,19 @@ TEST_CASE("ProfilePlot: the size for a long motion is limited by the pixels", "[
   const auto layer = Answer(9, 20000, {"walk"}, [](int, int window) {
     return window == 7000 ? -900.0 : -5.0 - window % 7;
   });
-  const std::string svg = ProfilePlotSvg(RecognizeWalks(), {layer});
+  const std::string svg = ProfileSvg(RecognizeWalks(), {layer});
   auto elements = ElementsInGroups(svg);
   CHECK(elements["path.clip best c0"] == 1);
   CHECK(elements["rect.winner a0"] == 1);
   CHECK(svg.size() < 60000);
-  CHECK(svg == ProfilePlotSvg(RecognizeWalks(), {layer}));
+  CHECK(svg == ProfileSvg(RecognizeWalks(), {layer}));
 }
 
 TEST_CASE("ProfilePlot: a winner is named if its name fits", "[client][cli]") {
   const auto layer = Answer(9, 400, {"walk", "jog"}, [](int clip, int window) {
     return clip == 1 && (window % 2 == 0 || window < 100) ? -1.0 : -2.0 - clip;
   });
-  auto elements = ElementsInGroups(ProfilePlotSvg(RecognizeWalks(), {layer}));
+  auto elements = ElementsInGroups(ProfileSvg(RecognizeWalks(), {layer}));
   CHECK(elements["rect.winner a0"] == 150);
   CHECK(elements["rect.winner a1"] == 150);
   CHECK(elements["text.winner-name t0"] == 1);

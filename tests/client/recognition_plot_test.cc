@@ -64,7 +64,7 @@ v1::RecognizeResponse WalkUnknownJog() {
 }
 
 std::string Plot(const v1::RecognizeResponse& response, double unknown_threshold = 0.5) {
-  return RecognitionPlotSvg(RecognizeWalks(), response, unknown_threshold);
+  return SvgOf(RecognitionPicture(RecognizeWalks(), response, unknown_threshold));
 }
 
 // Rectangle of a text, if characters are as wide as in common fonts.
@@ -131,7 +131,7 @@ TEST_CASE("RecognitionPlot: the answer of each window, its clip and its familiar
   CHECK_THAT(svg, Contains("<title>0.40-0.80 s: jog 0.30, walk 0.10, unknown 0.60; familiarity "
                            "0.00; best clip 09_03</title>"));
   CHECK(Count(svg, "class=\"threshold\"") == 1);
-  CHECK(Count(svg, "id=\"hatching\"") == 1);
+  CHECK(Count(svg, "id=\"hatching-777\"") == 1);
   CHECK_THAT(svg, !Contains("nan") && !Contains("inf") && !Contains("-0.00"));
   CHECK(OverlappingTexts(svg).empty());
   CHECK(svg == Plot(WalkUnknownJog()));
@@ -173,7 +173,7 @@ TEST_CASE("RecognitionPlot: no probability of unknown motion", "[client][cli]") 
   CHECK_THAT(Plot(response), Contains("fewer than two subjects"));
   v1::RecognizeRequest paper = RecognizeWalks();
   paper.set_method(v1::METHOD_PAPER);
-  CHECK_THAT(RecognitionPlotSvg(paper, response, 0.5),
+  CHECK_THAT(SvgOf(RecognitionPicture(paper, response, 0.5)),
              Contains("only the tree and its graphs") && !Contains("subjects"));
 }
 
@@ -223,7 +223,7 @@ TEST_CASE("RecognitionPlot: names are escaped and shortened", "[client][cli]") {
   for (const std::string& name : {label, std::string(500, 'x'), std::string()}) {
     for (int i = 0; i < 4; ++i) answers.push_back({{{name, 0.9}}, 0.1, "<clip>" + name});
   }
-  const std::string svg = RecognitionPlotSvg(request, Response(answers), 0.5);
+  const std::string svg = SvgOf(RecognitionPicture(request, Response(answers), 0.5));
   ElementsInGroups(svg);
   CHECK_THAT(svg, Contains("&lt;kick&gt; &amp; &quot;punch&quot;: 4 windows<") &&
                       Contains("(no label): 4 windows<") && Contains("xxx...: 4 windows<") &&

@@ -233,46 +233,5 @@ TEST_CASE("motiondb export --filter: clips with the same file name get folders",
   CHECK(folder.Read("c.bvh") == "motion");
 }
 
-TEST_CASE("motiondb ingest --list: sets titles, tags and fields in one transaction",
-          "[client][cli]") {
-  FakeServer server;
-  ServeDatabase(server);
-  server.Answer("IngestClip", StoredClip("a", "operations/1"));
-  server.Answer("IngestClip", StoredClip("b", "operations/2"));
-  server.Answer("BatchEdit", v1::BatchEditResponse());
-  const TemporaryFolder folder;
-  folder.Write("a.bvh", "a");
-  folder.Write("b.bvh", "b");
-  const std::string list = folder
-                               .Write("list.tsv",
-                                      "path\tlabel\ttitle\ttags\tfield.weight\n"
-                                      "a.bvh\twalk\tA walk\tslow\t70\nb.bvh\tjog\t\t\t\n")
-                               .string();
-  CHECK(RunMotiondb(server.address(), {"ingest", "walks", "--list", list}).exit_code == 0);
-  const auto batches = server.Requests<v1::BatchEditRequest>("BatchEdit");
-  REQUIRE(batches.size() == 1);
-  REQUIRE(batches[0].changes_size() == 1);
-  const v1::UpdateClipRequest& change = batches[0].changes(0).update_clip();
-  CHECK(change.clip().name() == "databases/walks/clips/a");
-  CHECK(change.clip().title() == "A walk");
-  CHECK(change.clip().tags(0) == "slow");
-  CHECK(change.clip().fields().at("weight").number() == 70);
-}
-
-TEST_CASE("motiondb ingest --list: tells which clip has wrong details, and that it is stored",
-          "[client][cli]") {
-  FakeServer server;
-  ServeDatabase(server);
-  server.Answer("IngestClip", StoredClip("a", "operations/1"));
-  server.Fail("BatchEdit", 3, "changes[0].update_clip.clip.tags: expected at most 63 characters");
-  const TemporaryFolder folder;
-  folder.Write("a.bvh", "a");
-  const std::string list = folder.Write("list.tsv", "path\tlabel\ttags\na.bvh\twalk\tX\n").string();
-  const auto result = RunMotiondb(server.address(), {"ingest", "walks", "--list", list});
-  CHECK(result.exit_code == 1);
-  CHECK_THAT(result.err, StartsWith("motiondb: a: tags: expected at most 63 characters; 0 of 1 "
-                                    "change stored; 1 clip is stored, without all of their"));
-}
-
 }  // namespace
 }  // namespace motiondb::tests::update_command_test

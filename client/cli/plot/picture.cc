@@ -5,55 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "text/display_text.h"
 #include "text/utf8.h"
 
 namespace motiondb::client {
-
-std::string SvgText(std::string_view text) {
-  std::string escaped;
-  for (const char c : text::DisplayLines(text)) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else if (c == '"') {
-      escaped += "&quot;";
-    } else {
-      escaped += c == '\n' ? ' ' : c;
-    }
-  }
-  return escaped;
-}
-
-std::string SvgNumber(double value) {
-  const bool nothing = !std::isfinite(value) || std::abs(value) < 0.005;
-  return fmt::format("{:.2f}", nothing ? 0.0 : value);
-}
-
-std::string SvgLine(std::string_view style, double x1, double y1, double x2, double y2) {
-  return fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", style,
-                     SvgNumber(x1), SvgNumber(y1), SvgNumber(x2), SvgNumber(y2));
-}
-
-std::string SvgCircle(std::string_view style, double x, double y, double radius) {
-  return fmt::format("<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n", style, SvgNumber(x),
-                     SvgNumber(y), SvgNumber(radius));
-}
-
-std::string SvgRectangle(std::string_view style, double left, double top, double width,
-                         double height) {
-  return fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", style,
-                     SvgNumber(left), SvgNumber(top), SvgNumber(width), SvgNumber(height));
-}
-
-std::string SvgLabel(std::string_view style, double x, double y, std::string_view text,
-                     std::string_view attributes) {
-  return fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\"{}{}>{}</text>\n", style, SvgNumber(x),
-                     SvgNumber(y), attributes.empty() ? "" : " ", attributes, SvgText(text));
-}
 
 namespace {
 
@@ -62,30 +16,7 @@ constexpr double kCharacterWidth = 6.6;  // average, of the lines below the titl
 constexpr double kLegendRowHeight = 22;
 constexpr double kSampleWidth = 26;
 
-constexpr const char* kStyle = R"(
-    text { font-family: Helvetica, Arial, sans-serif; fill: #222; }
-    .title { font-size: 18px; font-weight: bold; }
-    .line { font-size: 13px; fill: #444; }
-    .tick { font-size: 12px; fill: #555; }
-    .grid { stroke: #e6e6e6; stroke-width: 1; }
-    .frame { fill: none; stroke: #888; stroke-width: 1; })";
-
 }  // namespace
-
-std::string PictureHead(double width, double height, std::string_view title,
-                        std::string_view style) {
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
-      "viewBox=\"0 0 {0} {1}\">\n"
-      "<title>{2}</title>\n<style>{3}{4}</style>\n",
-      SvgNumber(width), SvgNumber(height), SvgText(title), kStyle, style);
-}
-
-std::string BackgroundSvg(double width, double height) {
-  return fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"#fff\"/>\n", SvgNumber(width),
-                     SvgNumber(height));
-}
 
 std::string TruncateToWidth(const std::string& text, double width) {
   constexpr std::string_view kCut = "...";
@@ -95,37 +26,35 @@ std::string TruncateToWidth(const std::string& text, double width) {
   return std::string(text::TruncateUtf8(text, max_size - kCut.size())).append(kCut);
 }
 
-std::string HeadingSvg(double left, double width, const std::string& title,
-                       const std::vector<std::string>& lines) {
+void DrawHeading(Canvas& canvas, double left, double width, const std::string& title,
+                 const std::vector<std::string>& lines) {
   double y = kTitleHeight;
-  std::string svg = SvgLabel("title", left, y, TruncateToWidth(title, width));
+  canvas.Label("title", left, y, TruncateToWidth(title, width));
   for (const std::string& line : lines) {
     y += kLineHeight;
-    svg += SvgLabel("line", left, y, TruncateToWidth(line, width));
+    canvas.Label("line", left, y, TruncateToWidth(line, width));
   }
-  return svg;
 }
 
 double HeadingHeight(std::size_t lines) {
   return kTitleHeight + kBelowHeading + kLineHeight * static_cast<double>(lines);
 }
 
-Legend LegendSvg(const std::vector<LegendEntry>& entries, double left, double right, double y,
-                 double between) {
-  Legend legend{"", y};
+double DrawLegend(Canvas& canvas, const std::vector<LegendEntry>& entries, double left,
+                  double right, double y, double between) {
   double x = left;
   for (const LegendEntry& entry : entries) {
     const double width =
         kSampleWidth + between + kCharacterWidth * static_cast<double>(entry.name.size());
     if (x + width > right && x > left) {
       x = left;
-      legend.last_y += kLegendRowHeight;
+      y += kLegendRowHeight;
     }
-    legend.svg += entry.sample(x, legend.last_y) +
-                  SvgLabel("line", x + kSampleWidth, legend.last_y + 4, entry.name);
+    entry.sample(canvas, x, y);
+    canvas.Label("line", x + kSampleWidth, y + 4, entry.name);
     x += width;
   }
-  return legend;
+  return y;
 }
 
 namespace {
@@ -163,50 +92,30 @@ std::vector<Tick> LinearTicks(double low, double high, double step,
   return ticks;
 }
 
-std::string GridSvg(const PictureFrame& frame, const std::vector<Tick>& x_ticks,
-                    const std::vector<Tick>& y_ticks) {
-  std::string svg;
-  for (const Tick& x : x_ticks) svg += SvgLine("grid", x.at, frame.top, x.at, frame.bottom());
-  for (const Tick& y : y_ticks) svg += SvgLine("grid", frame.left, y.at, frame.right(), y.at);
-  return svg;
+void DrawGrid(Canvas& canvas, const PictureFrame& frame, const std::vector<Tick>& x_ticks,
+              const std::vector<Tick>& y_ticks) {
+  for (const Tick& x : x_ticks) canvas.Line("grid", x.at, frame.top, x.at, frame.bottom());
+  for (const Tick& y : y_ticks) canvas.Line("grid", frame.left, y.at, frame.right(), y.at);
 }
 
-std::string XTicksSvg(double bottom, const std::vector<Tick>& ticks) {
-  std::string svg;
+void DrawXTicks(Canvas& canvas, double bottom, const std::vector<Tick>& ticks) {
   for (const Tick& tick : ticks) {
-    svg += SvgLabel("tick", tick.at, bottom + 17, tick.text, "text-anchor=\"middle\"");
+    canvas.Label("tick", tick.at, bottom + 17, tick.text, Anchor::kMiddle);
   }
-  return svg;
 }
 
-std::string YTicksSvg(const PictureFrame& frame, const std::vector<Tick>& ticks) {
-  std::string svg;
+void DrawYTicks(Canvas& canvas, const PictureFrame& frame, const std::vector<Tick>& ticks) {
   for (const Tick& tick : ticks) {
-    svg += SvgLabel("tick", frame.left - 8, tick.at + 4, tick.text, "text-anchor=\"end\"");
+    canvas.Label("tick", frame.left - 8, tick.at + 4, tick.text, Anchor::kEnd);
   }
-  return svg;
 }
 
-std::string XCaptionSvg(const PictureFrame& frame, double bottom, std::string_view text) {
-  return SvgLabel("line", frame.left + frame.width / 2, bottom + 38, text,
-                  "text-anchor=\"middle\"");
+void DrawXCaption(Canvas& canvas, const PictureFrame& frame, double bottom, std::string_view text) {
+  canvas.Label("line", frame.left + frame.width / 2, bottom + 38, text, Anchor::kMiddle);
 }
 
-std::string YCaptionSvg(const PictureFrame& frame, std::string_view text) {
-  const double middle = frame.top + frame.height / 2;
-  return SvgLabel(
-      "line", 20, middle, text,
-      fmt::format("text-anchor=\"middle\" transform=\"rotate(-90 20.00 {})\"", SvgNumber(middle)));
-}
-
-std::string FrameSvg(const PictureFrame& frame) {
-  return SvgRectangle("frame", frame.left, frame.top, frame.width, frame.height);
-}
-
-std::string ClipPathSvg(std::string_view id, const PictureFrame& frame) {
-  return fmt::format(
-      "<clipPath id=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n", id,
-      SvgNumber(frame.left), SvgNumber(frame.top), SvgNumber(frame.width), SvgNumber(frame.height));
+void DrawYCaption(Canvas& canvas, const PictureFrame& frame, std::string_view text) {
+  canvas.VerticalLabel("line", 20, frame.top + frame.height / 2, text);
 }
 
 namespace {

@@ -22,15 +22,16 @@ namespace motiondb::client {
 
 namespace {
 
-constexpr char kAnswerStyle[] =
-    R"(    .panel-title { font-size: 14px; font-weight: bold; fill: #333; }
-    .threshold-halo { stroke: #fff; stroke-width: 3; stroke-opacity: 0.7; }
-    .threshold { stroke: #222; stroke-width: 1; stroke-dasharray: 6 4; }
-    .plate { fill: #fff; }
-    .clip { fill-opacity: 0.3; stroke: #fff; stroke-width: 0.6; }
-    .answer-name, .clip-name { font-size: 12px; }
-    .clip-number { font-size: 11px; }
-)";
+void AddAnswerStyles(Canvas& canvas) {
+  canvas.AddStyle("panel-title", {.fill = "#333", .font_size = 14, .bold = true});
+  canvas.AddStyle("threshold-halo", {.stroke = "#fff", .stroke_width = 3, .stroke_opacity = 0.7});
+  canvas.AddStyle("threshold", {.stroke = "#222", .stroke_width = 1, .dashes = {6, 4}});
+  canvas.AddStyle("plate", {.fill = "#fff"});
+  canvas.AddStyle("clip", {.fill_opacity = 0.3, .stroke = "#fff", .stroke_width = 0.6});
+  canvas.AddStyle("answer-name", {.font_size = 12});
+  canvas.AddStyle("clip-name", {.font_size = 12});
+  canvas.AddStyle("clip-number", {.font_size = 11});
+}
 
 constexpr double kAnswerTitleHeight = 24, kProbabilityHeight = 170, kFamiliarityHeight = 64;
 constexpr double kStripsGap = 5, kAnswerHeight = 24, kClipHeight = 20, kBelowStrips = 12;
@@ -86,20 +87,23 @@ class AnswerPlot {
 
   const TimeAxis& time_axis() const { return time_axis_; }
 
-  std::string Svg() const {
+  void Draw(Canvas& canvas) const {
     const PictureFrame& probability = layout_.probability;
     const PictureFrame& familiarity = layout_.familiarity;
     const double height = familiarity.bottom() - probability.top;
-    return TitledGridSvg(probability, "Probability of labels", 0.2) + AreasSvg() +
-           FrameSvg(probability) + ThresholdSvg() +
-           StripTitle("answer", layout_.answer_top, kAnswerHeight) +
-           StripSvg("answer", answer_parts_, layout_.answer_top, kAnswerHeight) +
-           StripTitle("best clip", layout_.clip_top, kClipHeight) +
-           StripSvg("clip", clip_parts_, layout_.clip_top, kClipHeight) +
-           TitledGridSvg(familiarity, "Familiarity: share of stored windows that are less familiar",
-                         0.5) +
-           FrameSvg(familiarity) + FamiliaritySvg(answer_, time_axis_, familiarity) +
-           TooltipsSvg(answer_, time_axis_, {kPlotLeft, probability.top, kPlotWidth, height});
+    DrawTitledGrid(canvas, probability, "Probability of labels", 0.2);
+    DrawAreas(canvas);
+    canvas.Rectangle("frame", probability);
+    DrawThreshold(canvas);
+    DrawStripTitle(canvas, "answer", layout_.answer_top, kAnswerHeight);
+    DrawStrip(canvas, "answer", answer_parts_, layout_.answer_top, kAnswerHeight);
+    DrawStripTitle(canvas, "best clip", layout_.clip_top, kClipHeight);
+    DrawStrip(canvas, "clip", clip_parts_, layout_.clip_top, kClipHeight);
+    DrawTitledGrid(canvas, familiarity,
+                   "Familiarity: share of stored windows that are less familiar", 0.5);
+    canvas.Rectangle("frame", familiarity);
+    DrawFamiliarity(canvas, answer_, time_axis_, familiarity);
+    AddTooltips(canvas, answer_, time_axis_, {kPlotLeft, probability.top, kPlotWidth, height});
   }
 
   std::vector<LegendEntry> LabelLegend() const {
@@ -131,8 +135,8 @@ class AnswerPlot {
       const AnswerClip& clip = answer_.clips[static_cast<std::size_t>(index)];
       entries.push_back({fmt::format("{}: {}", TruncateToWidth(clip.name, kLegendClipWidth),
                                      CountText(clip.windows_won, "window")),
-                         [index](double x, double y) {
-                           return SvgLabel("clip-number", x, y + 4, NumberText(index));
+                         [index](Canvas& canvas, double x, double y) {
+                           canvas.Label("clip-number", x, y + 4, NumberText(index));
                          }});
     }
     return entries;
@@ -141,37 +145,39 @@ class AnswerPlot {
  private:
   static LegendEntry AreaEntry(const std::string& name, int windows, const std::string& style) {
     return {windows > 0 ? fmt::format("{}: {}", name, CountText(windows, "window")) : name,
-            [style](double x, double y) { return SvgRectangle(style, x, y - 6, 20, 12); }};
+            [style](Canvas& canvas, double x, double y) {
+              canvas.Rectangle(style, {x, y - 6, 20, 12});
+            }};
   }
 
   static std::string NumberText(int clip) { return fmt::format("#{}", clip + 1); }
 
-  static std::string StripTitle(const std::string& title, double top, double height) {
-    return SvgLabel("tick", kPlotLeft - 8, top + height / 2 + 4, title, "text-anchor=\"end\"");
+  static void DrawStripTitle(Canvas& canvas, const std::string& title, double top, double height) {
+    canvas.Label("tick", kPlotLeft - 8, top + height / 2 + 4, title, Anchor::kEnd);
   }
 
-  std::string TitledGridSvg(const PictureFrame& frame, const std::string& title,
-                            double step) const {
+  void DrawTitledGrid(Canvas& canvas, const PictureFrame& frame, const std::string& title,
+                      double step) const {
     const std::vector<Tick> ticks = LinearTicks(
         0, 1, step, [&](double value) { return frame.bottom() - frame.height * value; });
-    return SvgLabel("panel-title", frame.left, frame.top - 8, title) +
-           GridSvg(frame, time_axis_.Ticks(frame), ticks) + YTicksSvg(frame, ticks);
+    canvas.Label("panel-title", frame.left, frame.top - 8, title);
+    DrawGrid(canvas, frame, time_axis_.Ticks(frame), ticks);
+    DrawYTicks(canvas, frame, ticks);
   }
 
-  std::string AreasSvg() const {
+  void DrawAreas(Canvas& canvas) const {
     const PictureFrame& frame = layout_.probability;
-    std::string svg = ProbabilityAreasSvg(answer_, drawn_, time_axis_, frame);
-    if (!svg.empty()) return svg;
-    return SvgLabel("line", frame.left + frame.width / 2, frame.top + frame.height / 2,
-                    columns_.empty() ? "no windows" : "no labels", "text-anchor=\"middle\"");
+    if (DrawProbabilityAreas(canvas, answer_, drawn_, time_axis_, frame)) return;
+    canvas.Label("line", frame.left + frame.width / 2, frame.top + frame.height / 2,
+                 columns_.empty() ? "no windows" : "no labels", Anchor::kMiddle);
   }
 
-  std::string ThresholdSvg() const {
-    if (!answer_.has_unknown || !(threshold_ > 0 && threshold_ < 1)) return "";
+  void DrawThreshold(Canvas& canvas) const {
+    if (!answer_.has_unknown || !(threshold_ > 0 && threshold_ < 1)) return;
     const PictureFrame& frame = layout_.probability;
     const double y = frame.top + frame.height * threshold_;
-    return SvgLine("threshold-halo", frame.left, y, frame.right(), y) +
-           SvgLine("threshold", frame.left, y, frame.right(), y);
+    canvas.Line("threshold-halo", frame.left, y, frame.right(), y);
+    canvas.Line("threshold", frame.left, y, frame.right(), y);
   }
 
   std::string AreaStyle(int label) const {
@@ -269,18 +275,22 @@ std::vector<std::string> AnswerHeading(const v1::RecognizeRequest& request,
 
 }  // namespace
 
-std::string RecognitionPlotSvg(const v1::RecognizeRequest& request,
-                               const v1::RecognizeResponse& response, double unknown_threshold) {
+Canvas RecognitionPicture(const v1::RecognizeRequest& request,
+                          const v1::RecognizeResponse& response, double unknown_threshold) {
   const RecognitionAnswer answer = RecognitionAnswerFrom(response, unknown_threshold);
   const std::string title = PlotTitle("Recognition", request);
   const std::vector<std::string> lines =
       AnswerHeading(request, response, answer, unknown_threshold);
   const AnswerLayout layout = AnswerLayoutBelow(HeadingHeight(lines.size()));
   const AnswerPlot plot(answer, unknown_threshold, layout);
-  return PlotFile(title, AreaStyleSheet() + kAnswerStyle,
-                  HatchingSvg() + LabelPatternsSvg(static_cast<int>(answer.labels.size())),
-                  HeadingSvg(kPlotLeft, kPlotWidth, title, lines) + plot.Svg(), plot.time_axis(),
-                  layout.familiarity.bottom(), {plot.LabelLegend(), plot.ClipLegend()});
+  Canvas canvas;
+  AddAreaStyles(canvas);
+  AddAnswerStyles(canvas);
+  DrawHeading(canvas, kPlotLeft, kPlotWidth, title, lines);
+  plot.Draw(canvas);
+  FinishPlot(canvas, title, plot.time_axis(), layout.familiarity.bottom(),
+             {plot.LabelLegend(), plot.ClipLegend()});
+  return canvas;
 }
 
 }  // namespace motiondb::client

@@ -3,16 +3,16 @@
 
 #include <motiondb/messages.h>
 
-#include <string>
+#include "client/cli/plot/canvas.h"
 
 namespace motiondb::client {
 
-// Returns a self-contained SVG file. It shows the probabilities of labels and of unknown motion
+// Returns a picture of the probabilities of labels and of unknown motion
 // (hatched) as stacked areas, a strip with the answer of each window, a strip with its best clip,
 // and its familiarity. The answer is the most probable label, or "unknown" if its probability is
 // above `unknown_threshold`. Clips whose names do not fit in the strip have numbers. Windows with
-// invalid times and values that are not finite are omitted. The output is deterministic.
-std::string RecognitionPlotSvg(const v1::RecognizeRequest& request,
-                               const v1::RecognizeResponse& response, double unknown_threshold);
+// invalid times and values that are not finite are omitted.
+Canvas RecognitionPicture(const v1::RecognizeRequest& request,
+                          const v1::RecognizeResponse& response, double unknown_threshold);
 
 }  // namespace motiondb::client

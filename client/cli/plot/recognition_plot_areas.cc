@@ -1,9 +1,8 @@
 #include "client/cli/plot/recognition_plot_areas.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <utility>
 
 #include "client/cli/plot/recognition_plot_labels.h"
@@ -20,12 +19,12 @@ class ColumnFrame {
       : columns_(columns), time_axis_(time_axis), frame_(frame) {}
 
   std::size_t size() const { return columns_.size(); }
-  std::string Left(std::size_t i) const { return X(columns_[i].cell.start); }
-  std::string Right(std::size_t i) const { return X(columns_[i].cell.end); }
-  std::string Y(double share) const { return SvgNumber(frame_.bottom() - frame_.height * share); }
+  double Left(std::size_t i) const { return X(columns_[i].cell.start); }
+  double Right(std::size_t i) const { return X(columns_[i].cell.end); }
+  double Y(double share) const { return frame_.bottom() - frame_.height * share; }
 
  private:
-  std::string X(double seconds) const { return SvgNumber(time_axis_.X(frame_, seconds)); }
+  double X(double seconds) const { return time_axis_.X(frame_, seconds); }
 
   const std::vector<AnswerColumn>& columns_;
   const TimeAxis& time_axis_;
@@ -33,96 +32,104 @@ class ColumnFrame {
 };
 
 // The area between two shares in each column. Columns where it has no height are left out.
-std::string AreaSvg(const ColumnFrame& columns, const std::string& style, const std::string& title,
-                    const std::vector<double>& low, const std::vector<double>& high) {
+std::vector<Outline> AreaBetween(const ColumnFrame& columns, const std::vector<double>& low,
+                                 const std::vector<double>& high) {
   constexpr double kMinShare = 0.001;
-  std::string data;
+  std::vector<Outline> area;
   for (std::size_t begin = 0, end = 0; begin < columns.size(); begin = end) {
     end = begin + 1;
     if (high[begin] - low[begin] < kMinShare) continue;
     while (end < columns.size() && high[end] - low[end] >= kMinShare) ++end;
-    data += fmt::format("M{} {}", columns.Left(begin), columns.Y(low[begin]));
+    Outline& outline = area.emplace_back(Outline{{}, true});
+    outline.points.push_back({columns.Left(begin), columns.Y(low[begin])});
     for (std::size_t i = begin; i < end; ++i) {
-      data += fmt::format("V{}H{}", columns.Y(high[i]), columns.Right(i));
+      outline.points.push_back({columns.Left(i), columns.Y(high[i])});
+      outline.points.push_back({columns.Right(i), columns.Y(high[i])});
     }
     for (std::size_t i = end; i-- > begin;) {
-      data += fmt::format("V{}H{}", columns.Y(low[i]), columns.Left(i));
+      outline.points.push_back({columns.Right(i), columns.Y(low[i])});
+      outline.points.push_back({columns.Left(i), columns.Y(low[i])});
     }
-    data += "Z";
   }
-  if (data.empty()) return "";
-  return fmt::format("<path class=\"{}\" d=\"{}\"><title>{}</title></path>\n", style, data,
-                     SvgText(title));
+  return area;
 }
+
+// An area of the picture, its style and its name.
+struct NamedArea {
+  std::string style;
+  std::string name;
+  std::vector<Outline> outlines;
+};
 
 }  // namespace
 
-std::string ProbabilityAreasSvg(const RecognitionAnswer& answer, const std::vector<bool>& drawn,
-                                const TimeAxis& time_axis, const PictureFrame& frame) {
+bool DrawProbabilityAreas(Canvas& canvas, const RecognitionAnswer& answer,
+                          const std::vector<bool>& drawn, const TimeAxis& time_axis,
+                          const PictureFrame& frame) {
   const ColumnFrame columns(answer.columns, time_axis, frame);
   const std::size_t count = columns.size();
   std::vector<double> low(count), high(count), others(count);
-  std::string svg;
+  std::vector<NamedArea> areas;
   for (std::size_t label = 0; label < drawn.size(); ++label) {
     for (std::size_t i = 0; i < count; ++i) {
       (drawn[label] ? high : others)[i] += answer.columns[i].probabilities[label];
     }
     if (!drawn[label]) continue;
-    svg += AreaSvg(columns, "label " + LabelAreaStyle(static_cast<int>(label)),
-                   answer.labels[label].name, low, high);
+    areas.push_back({"label " + LabelAreaStyle(static_cast<int>(label)), answer.labels[label].name,
+                     AreaBetween(columns, low, high)});
     low = high;
   }
   for (std::size_t i = 0; i < count; ++i) high[i] += others[i];
-  svg += AreaSvg(columns, "others", "other labels", low, high);
+  areas.push_back({"others", "other labels", AreaBetween(columns, low, high)});
   for (std::size_t i = 0; i < count; ++i) low[i] = 1 - answer.columns[i].unknown;
-  svg += AreaSvg(columns, "unknown", "unknown", low, std::vector<double>(count, 1.0));
-  return svg.empty() ? "" : "<g>\n" + svg + "</g>\n";
+  areas.push_back(
+      {"unknown", "unknown", AreaBetween(columns, low, std::vector<double>(count, 1.0))});
+  bool any = false;
+  canvas.BeginGroup();
+  for (NamedArea& area : areas) {
+    if (area.outlines.empty()) continue;
+    canvas.Path(area.style, std::move(area.outlines)).tooltip = area.name;
+    any = true;
+  }
+  canvas.EndGroup();
+  return any;
 }
 
-std::string FamiliaritySvg(const RecognitionAnswer& answer, const TimeAxis& time_axis,
-                           const PictureFrame& frame) {
+void DrawFamiliarity(Canvas& canvas, const RecognitionAnswer& answer, const TimeAxis& time_axis,
+                     const PictureFrame& frame) {
   const ColumnFrame columns(answer.columns, time_axis, frame);
-  std::string data;
+  std::vector<Outline> lines;
   bool is_gap = true;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const double familiarity = answer.columns[i].familiarity;
     const bool was_gap = std::exchange(is_gap, !std::isfinite(familiarity));
     if (is_gap) continue;
-    data += was_gap ? fmt::format("M{} ", columns.Left(i)) : "V";
-    data += fmt::format("{}H{}", columns.Y(familiarity), columns.Right(i));
+    if (was_gap) lines.emplace_back();
+    lines.back().points.push_back({columns.Left(i), columns.Y(familiarity)});
+    lines.back().points.push_back({columns.Right(i), columns.Y(familiarity)});
   }
-  if (data.empty()) return "";
-  return fmt::format("<g><path class=\"familiarity\" d=\"{}\"/></g>\n", data);
+  if (lines.empty()) return;
+  canvas.BeginGroup();
+  canvas.Path("familiarity", std::move(lines));
+  canvas.EndGroup();
 }
 
-std::string TooltipsSvg(const RecognitionAnswer& answer, const TimeAxis& time_axis,
-                        const PictureFrame& frame) {
-  std::string svg;
+void AddTooltips(Canvas& canvas, const RecognitionAnswer& answer, const TimeAxis& time_axis,
+                 const PictureFrame& frame) {
+  canvas.BeginGroup();
   for (const AnswerColumn& column : answer.columns) {
     const double left = time_axis.X(frame, column.cell.start);
-    svg += fmt::format("<g><title>{}</title>\n", SvgText(column.tooltip)) +
-           SvgRectangle("hover", left, frame.top, time_axis.X(frame, column.cell.end) - left,
-                        frame.height) +
-           "</g>\n";
+    canvas.HoverArea({left, frame.top, time_axis.X(frame, column.cell.end) - left, frame.height},
+                     column.tooltip);
   }
-  return svg;
+  canvas.EndGroup();
 }
 
-std::string AreaStyleSheet() {
-  return R"(
-    .label, .others, .unknown { shape-rendering: crispEdges; }
-    .others { fill: #e4e4e4; }
-    .unknown { fill: url(#hatching); }
-    .familiarity { fill: none; stroke: #222; stroke-width: 1.6; }
-    .hover { fill: none; pointer-events: all; }
-    .hover:hover { stroke: #222; stroke-width: 1; }
-)";
-}
-
-std::string HatchingSvg() {
-  return "<pattern id=\"hatching\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" "
-         "patternTransform=\"rotate(45)\"><rect width=\"6\" height=\"6\" fill=\"#fff\"/>"
-         "<rect width=\"1.6\" height=\"6\" fill=\"#777\"/></pattern>\n";
+void AddAreaStyles(Canvas& canvas) {
+  canvas.AddStyle("label", {.crisp = true});
+  canvas.AddStyle("others", {.fill = "#e4e4e4", .crisp = true});
+  canvas.AddStyle("unknown", {.fill = "#777", .pattern = FillPattern::kHatching, .crisp = true});
+  canvas.AddStyle("familiarity", {.fill = "none", .stroke = "#222", .stroke_width = 1.6});
 }
 
 }  // namespace motiondb::client

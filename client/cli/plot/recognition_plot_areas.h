@@ -10,21 +10,22 @@
 
 namespace motiondb::client {
 
-// Returns stacked areas: the labels in `drawn` (one for each label of the answer), all other labels
+// Draws stacked areas: the labels in `drawn` (one for each label of the answer), all other labels
 // in grey, and from the upper edge downwards unknown motion. Each column is as wide as its cell.
-std::string ProbabilityAreasSvg(const RecognitionAnswer& answer, const std::vector<bool>& drawn,
-                                const TimeAxis& time_axis, const PictureFrame& frame);
+// Returns whether there is any area.
+bool DrawProbabilityAreas(Canvas& canvas, const RecognitionAnswer& answer,
+                          const std::vector<bool>& drawn, const TimeAxis& time_axis,
+                          const PictureFrame& frame);
 
-// Returns a line with a step for each column, and gaps where the familiarity is not finite.
-std::string FamiliaritySvg(const RecognitionAnswer& answer, const TimeAxis& time_axis,
-                           const PictureFrame& frame);
+// Draws a line with a step for each column, and gaps where the familiarity is not finite.
+void DrawFamiliarity(Canvas& canvas, const RecognitionAnswer& answer, const TimeAxis& time_axis,
+                     const PictureFrame& frame);
 
-// Returns an invisible rectangle for each column, whose tooltip has the values of its window.
-std::string TooltipsSvg(const RecognitionAnswer& answer, const TimeAxis& time_axis,
-                        const PictureFrame& frame);
+// Adds an invisible rectangle for each column, whose tooltip has the values of its window.
+void AddTooltips(Canvas& canvas, const RecognitionAnswer& answer, const TimeAxis& time_axis,
+                 const PictureFrame& frame);
 
-// Returns their style sheet, and the definition of the hatching, which the file needs.
-std::string AreaStyleSheet();
-std::string HatchingSvg();
+// Adds the styles of areas.
+void AddAreaStyles(Canvas& canvas);
 
 }  // namespace motiondb::client

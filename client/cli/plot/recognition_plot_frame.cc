@@ -80,26 +80,22 @@ std::string PlotTitle(const std::string& what, const v1::RecognizeRequest& reque
                      TruncateToWidth(ShortName(request.database()), kNameWidth));
 }
 
-std::string PlotFile(const std::string& title, const std::string& style_sheet,
-                     const std::string& definitions, const std::string& body,
-                     const TimeAxis& time_axis, double bottom,
-                     const std::vector<std::vector<LegendEntry>>& legends) {
+void FinishPlot(Canvas& canvas, const std::string& title, const TimeAxis& time_axis, double bottom,
+                const std::vector<std::vector<LegendEntry>>& legends) {
   constexpr double kRightMargin = 26, kBelowPlot = 66;  // below: the time axis
   constexpr double kBetweenLegends = 32, kBelowLegends = 24;
   const double width = kPlotLeft + kPlotWidth + kRightMargin;
   const PictureFrame frame{kPlotLeft, 0, kPlotWidth, bottom};
-  std::string svg = XTicksSvg(bottom, time_axis.Ticks(frame)) +
-                    XCaptionSvg(frame, bottom, "middle of the window (s)");
+  DrawXTicks(canvas, bottom, time_axis.Ticks(frame));
+  DrawXCaption(canvas, frame, bottom, "middle of the window (s)");
   double y = bottom + kBelowPlot;
   for (const std::vector<LegendEntry>& entries : legends) {
     if (entries.empty()) continue;
-    const Legend legend = LegendSvg(entries, kPlotLeft, width, y, kLegendGap);
-    svg += legend.svg;
-    y = legend.last_y + kBetweenLegends;
+    y = DrawLegend(canvas, entries, kPlotLeft, width, y, kLegendGap) + kBetweenLegends;
   }
-  const double height = y - kBetweenLegends + kBelowLegends;
-  return PictureHead(width, height, title, style_sheet + LabelStyleSheet()) + definitions +
-         BackgroundSvg(width, height) + body + svg + "</svg>\n";
+  canvas.SetTitle(title);
+  canvas.SetSize(width, y - kBetweenLegends + kBelowLegends);
+  AddLabelStyles(canvas);
 }
 
 }  // namespace motiondb::client

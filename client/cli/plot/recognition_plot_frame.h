@@ -56,12 +56,9 @@ constexpr double kLegendGap = 44;   // between entries; many fonts are wider tha
 // Returns "WHAT: FILE in DATABASE", each name cut to a width.
 std::string PlotTitle(const std::string& what, const v1::RecognizeRequest& request);
 
-// Returns a self-contained SVG file. `body` ends at y = `bottom`; the time axis and the legends
-// follow. `style_sheet` is added to the styles of pictures and labels, `definitions` (patterns) to
-// the beginning of the file.
-std::string PlotFile(const std::string& title, const std::string& style_sheet,
-                     const std::string& definitions, const std::string& body,
-                     const TimeAxis& time_axis, double bottom,
-                     const std::vector<std::vector<LegendEntry>>& legends);
+// Completes a picture whose body ends at y = `bottom`: title, time axis, legends, size, and styles
+// of labels.
+void FinishPlot(Canvas& canvas, const std::string& title, const TimeAxis& time_axis, double bottom,
+                const std::vector<std::vector<LegendEntry>>& legends);
 
 }  // namespace motiondb::client

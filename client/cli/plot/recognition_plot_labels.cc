@@ -21,11 +21,12 @@ constexpr Colour kColours[] = {
 };
 constexpr int kColourCount = static_cast<int>(std::size(kColours));
 
-constexpr const char* kDashes[] = {"", "6 3", "2 2"};
-constexpr const char* kPatterns[] = {"", "<circle cx=\"3\" cy=\"3\" r=\"1.2\" fill=\"#fff\"/>",
-                                     "<rect x=\"2\" width=\"1.6\" height=\"6\" fill=\"#fff\"/>"};
-constexpr int kVariants = static_cast<int>(std::size(kDashes));
-static_assert(std::size(kPatterns) == std::size(kDashes) &&
+// Of lines and of areas.
+const std::vector<double> kDashes[] = {{}, {6, 3}, {2, 2}};
+constexpr FillPattern kPatterns[] = {FillPattern::kPlain, FillPattern::kDots,
+                                     FillPattern::kStripes};
+constexpr int kVariants = static_cast<int>(std::size(kPatterns));
+static_assert(std::size(kDashes) == std::size(kPatterns) &&
               kLabelStyles == kColourCount * kVariants);
 
 int VariantOf(int place) { return place / kColourCount % kVariants; }
@@ -63,31 +64,18 @@ std::string LabelPlateStyle(int place) {
   return VariantOf(place) > 0 ? fmt::format("a{}", place % kColourCount) : "";
 }
 
-std::string LabelStyleSheet() {
-  std::string sheet;
+void AddLabelStyles(Canvas& canvas) {
   for (int i = 0; i < kColourCount; ++i) {
-    sheet +=
-        fmt::format("    .c{0} {{ stroke: {1}; }} .a{0} {{ fill: {1}; }} .t{0} {{ fill: {2}; }}\n",
-                    i, kColours[i].code, kColours[i].text);
+    canvas.AddStyle(fmt::format("c{}", i), {.stroke = kColours[i].code});
+    canvas.AddStyle(fmt::format("t{}", i), {.fill = kColours[i].text});
   }
-  for (int i = kColourCount; i < kLabelStyles; ++i) {
-    sheet += fmt::format("    .a{0} {{ fill: url(#p{0}); }}\n", i);
+  for (int i = 0; i < kLabelStyles; ++i) {
+    canvas.AddStyle(fmt::format("a{}", i),
+                    {.fill = kColours[i % kColourCount].code, .pattern = kPatterns[VariantOf(i)]});
   }
   for (int i = 1; i < kVariants; ++i) {
-    sheet += fmt::format("    .d{} {{ stroke-dasharray: {}; }}\n", i, kDashes[i]);
+    canvas.AddStyle(fmt::format("d{}", i), {.dashes = kDashes[i]});
   }
-  return sheet;
-}
-
-std::string LabelPatternsSvg(int count) {
-  std::string svg;
-  for (int i = kColourCount; i < std::min(count, kLabelStyles); ++i) {
-    svg += fmt::format(
-        "<pattern id=\"p{}\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\">"
-        "<rect width=\"6\" height=\"6\" fill=\"{}\"/>{}</pattern>\n",
-        i, kColours[i % kColourCount].code, kPatterns[VariantOf(i)]);
-  }
-  return svg;
 }
 
 namespace {
@@ -106,28 +94,25 @@ std::string FittingName(const std::string& name, double width) {
   return width < kMinWidth ? name : TruncateToWidth(name, width - 2 * kNameMargin);
 }
 
-std::string StripSvg(std::string_view kind, const std::vector<StripPart>& parts, double top,
-                     double height) {
-  std::string svg;
+void DrawStrip(Canvas& canvas, std::string_view kind, const std::vector<StripPart>& parts,
+               double top, double height) {
   for (const StripPart& part : parts) {
-    svg += part.tooltip.empty() ? "<g>\n"
-                                : fmt::format("<g><title>{}</title>\n", SvgText(part.tooltip));
-    svg += SvgRectangle(fmt::format("{} {}", kind, part.area_style), part.left, top, part.width,
-                        height);
+    canvas.BeginGroup().tooltip = part.tooltip;
+    canvas.Rectangle(fmt::format("{} {}", kind, part.area_style),
+                     {part.left, top, part.width, height});
     if (!part.text.empty() && NameFits(part.text, part.width)) {
       const double middle = part.left + part.width / 2;
       if (!part.plate_style.empty()) {
         const double width =
             std::min(part.width, kNameCharacter * static_cast<double>(part.text.size()));
-        svg += SvgRectangle(part.plate_style, middle - width / 2, top, width, height);
+        canvas.Rectangle(part.plate_style, {middle - width / 2, top, width, height});
       }
-      svg += SvgLabel(
+      canvas.Label(
           fmt::format("{}-name{}{}", kind, part.text_style.empty() ? "" : " ", part.text_style),
-          middle, top + height / 2 + 4, part.text, "text-anchor=\"middle\"");
+          middle, top + height / 2 + 4, part.text, Anchor::kMiddle);
     }
-    svg += "</g>\n";
+    canvas.EndGroup();
   }
-  return svg;
 }
 
 }  // namespace motiondb::client

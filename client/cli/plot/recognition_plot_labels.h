@@ -32,17 +32,12 @@ std::map<std::string, int> LabelIndices(const std::vector<PlotLabel>& labels);
 // Number of different styles of labels. Labels after these repeat them.
 constexpr int kLabelStyles = 24;
 
-// Style names of the label with index `place`: for lines, areas, and text on areas; and their style
-// sheet.
+// Style names of the label with index `place`: for lines, areas, and text on areas.
 std::string LabelLineStyle(int place);
 std::string LabelAreaStyle(int place);
 std::string LabelTextStyle(int place);
 std::string LabelPlateStyle(int place);  // of a plate below the text; "" if it needs none
-std::string LabelStyleSheet();
-
-// Returns the definitions of the patterns of areas, which the file needs. `count`: number of
-// labels.
-std::string LabelPatternsSvg(int count);
+void AddLabelStyles(Canvas& canvas);
 
 // A stretch of a strip with one colour, and its name if it fits.
 struct StripPart {
@@ -61,8 +56,8 @@ bool NameFits(std::string_view text, double width);
 // Returns the name, cut to the width if a recognizable part of it fits; otherwise all of it.
 std::string FittingName(const std::string& name, double width);
 
-// Returns a strip at y = `top`. `kind`: style name of the areas; that of names is "KIND-name".
-std::string StripSvg(std::string_view kind, const std::vector<StripPart>& parts, double top,
-                     double height);
+// Draws a strip at y = `top`. `kind`: style name of the areas; that of names is "KIND-name".
+void DrawStrip(Canvas& canvas, std::string_view kind, const std::vector<StripPart>& parts,
+               double top, double height);
 
 }  // namespace motiondb::client

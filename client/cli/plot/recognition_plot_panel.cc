@@ -14,11 +14,6 @@
 namespace motiondb::client {
 namespace {
 
-struct Point {
-  double x = 0;
-  double y = 0;
-};
-
 // Maps values to coordinates of a panel.
 class Panel {
  public:
@@ -59,31 +54,21 @@ std::vector<Point> PiecePoints(std::vector<Point> points, const WindowCell& firs
   return {{panel.X(first.start), points[0].y}, {panel.X(first.end), points[0].y}};
 }
 
-std::string PathData(const std::vector<Point>& points) {
-  std::string data;
-  for (const Point& point : points) {
-    data +=
-        fmt::format("{}{} {}", data.empty() ? "M" : "L", SvgNumber(point.x), SvgNumber(point.y));
-  }
-  return data;
-}
-
-std::string ProfileSvg(const ClipProfile& clip, const std::vector<WindowCell>& windows,
-                       const Panel& panel, const std::string& style) {
-  std::string data;
+void DrawProfile(Canvas& canvas, const ClipProfile& clip, const std::vector<WindowCell>& windows,
+                 const Panel& panel, const std::string& style) {
+  std::vector<Outline> lines;
   std::vector<Point> points;
   for (std::size_t i = 0; i <= windows.size(); ++i) {
     if (i < windows.size() && std::isfinite(clip.log_probability[i])) {
       points.push_back({panel.X(windows[i].middle), panel.Y(clip.log_probability[i])});
     } else if (!points.empty()) {
       const WindowCell& first = windows[i - points.size()];
-      data += PathData(PiecePoints(std::move(points), first, panel));
+      lines.push_back({PiecePoints(std::move(points), first, panel), false});
       points.clear();
     }
   }
-  if (data.empty()) return "";
-  return fmt::format("<path class=\"{}\" d=\"{}\"><title>{} ({})</title></path>\n", style, data,
-                     SvgText(clip.clip), SvgText(clip.label));
+  if (lines.empty()) return;
+  canvas.Path(style, std::move(lines)).tooltip = fmt::format("{} ({})", clip.clip, clip.label);
 }
 
 // Returns the mean height of a clip's line, 1 for gaps. The most probable clips are drawn last.
@@ -95,10 +80,10 @@ double MeanFraction(const ClipProfile& clip, const LogProbabilityAxis& axis) {
   return sum / static_cast<double>(clip.log_probability.size());
 }
 
-// Returns the band of the clips that are not lines, from their 5 % to their 95 % quantile.
-std::string BandSvg(const LayerProfile& layer, const Panel& panel) {
+// Draws the band of the clips that are not lines, from their 5 % to their 95 % quantile.
+void DrawBand(Canvas& canvas, const LayerProfile& layer, const Panel& panel) {
   constexpr double kLow = 0.05, kHigh = 0.95;
-  std::string data;
+  std::vector<Outline> band;
   std::vector<Point> upper, lower;
   std::vector<double> values;
   for (std::size_t i = 0; i <= layer.windows.size(); ++i) {
@@ -120,16 +105,16 @@ std::string BandSvg(const LayerProfile& layer, const Panel& panel) {
       std::vector<Point> outline = PiecePoints(std::move(upper), first, panel);
       const std::vector<Point> back = PiecePoints(std::move(lower), first, panel);
       outline.insert(outline.end(), back.rbegin(), back.rend());
-      data += PathData(outline) + "Z";
+      band.push_back({std::move(outline), true});
       upper.clear();
       lower.clear();
     }
   }
-  if (data.empty()) return "";
-  return fmt::format("<path class=\"band\" d=\"{}\"/>\n", data);
+  if (!band.empty()) canvas.Path("band", std::move(band));
 }
 
-std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel) {
+void DrawProfiles(Canvas& canvas, const LayerProfile& layer, const PanelAxes& axes,
+                  const Panel& panel) {
   std::vector<std::tuple<bool, double, const ClipProfile*>> clips;
   for (const ClipProfile& clip : layer.clips) {
     if (!clip.is_line) continue;
@@ -137,18 +122,17 @@ std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const 
   }
   // Comparing pointers is deterministic: they point into one vector.
   std::sort(clips.begin(), clips.end());
-  std::string svg = BandSvg(layer, panel);
+  DrawBand(canvas, layer, panel);
   for (const auto& [best, height, clip] : clips) {
-    svg += ProfileSvg(*clip, layer.windows, panel,
-                      fmt::format("clip {}{}", best ? "best " : "",
-                                  LabelLineStyle(axes.label_indices.at(clip->label))));
+    DrawProfile(canvas, *clip, layer.windows, panel,
+                fmt::format("clip {}{}", best ? "best " : "",
+                            LabelLineStyle(axes.label_indices.at(clip->label))));
   }
-  return svg;
 }
 
 // Consecutive windows with the same winner are one area, with its name if it fits.
-std::string WinnersSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel,
-                       double top) {
+void DrawWinners(Canvas& canvas, const LayerProfile& layer, const PanelAxes& axes,
+                 const Panel& panel, double top) {
   std::vector<StripPart> parts;
   for (std::size_t begin = 0, end = 0; begin < layer.winners.size(); begin = end) {
     const auto& winner = layer.winners[begin];
@@ -161,7 +145,7 @@ std::string WinnersSvg(const LayerProfile& layer, const PanelAxes& axes, const P
                      fmt::format("{}, {:.2f}-{:.2f} s", *winner, layer.windows[begin].start,
                                  layer.windows[end - 1].end)});
   }
-  return StripSvg("winner", parts, top, kStripHeight);
+  DrawStrip(canvas, "winner", parts, top, kStripHeight);
 }
 
 // Returns the number of values that the panel does not show.
@@ -192,31 +176,34 @@ std::string NothingText(const LayerProfile& layer) {
 
 }  // namespace
 
-std::string PanelSvg(const LayerProfile& layer, const std::string& title, const PanelAxes& axes,
-                     const PictureFrame& frame) {
+void DrawPanel(Canvas& canvas, const LayerProfile& layer, const std::string& title,
+               const PanelAxes& axes, const PictureFrame& frame) {
   constexpr double kMinTickDistance = 17;
   const Panel panel(axes, frame);
   std::vector<Tick> y_ticks;
   for (const double value : axes.log_probability.Ticks(kMinTickDistance / frame.height)) {
     y_ticks.push_back({panel.Y(value), LogProbabilityAxis::TickText(value)});
   }
-  const std::string clip_path = fmt::format("panel-{}", SvgNumber(frame.top));
-  std::string svg = SvgLabel("panel-title", frame.left, frame.top - 8, title) +
-                    SvgLabel("tick", frame.right(), frame.top - 8,
-                             LeftOutText(layer, axes.log_probability), "text-anchor=\"end\"");
-  svg += GridSvg(frame, axes.time.Ticks(frame), y_ticks) + YTicksSvg(frame, y_ticks) +
-         YCaptionSvg(frame, "log probability");
-  const std::string profiles = ProfilesSvg(layer, axes, panel);
-  svg += ClipPathSvg(clip_path, frame) +
-         fmt::format("<g clip-path=\"url(#{})\">\n{}</g>\n", clip_path, profiles);
-  if (profiles.empty()) {
-    svg += SvgLabel("line", frame.left + frame.width / 2, frame.top + frame.height / 2,
-                    NothingText(layer), "text-anchor=\"middle\"");
+  canvas.Label("panel-title", frame.left, frame.top - 8, title);
+  canvas.Label("tick", frame.right(), frame.top - 8, LeftOutText(layer, axes.log_probability),
+               Anchor::kEnd);
+  DrawGrid(canvas, frame, axes.time.Ticks(frame), y_ticks);
+  DrawYTicks(canvas, frame, y_ticks);
+  DrawYCaption(canvas, frame, "log probability");
+  canvas.BeginGroup(frame);
+  const std::size_t before = canvas.shapes().size();
+  DrawProfiles(canvas, layer, axes, panel);
+  const bool is_empty = canvas.shapes().size() == before;
+  canvas.EndGroup();
+  if (is_empty) {
+    canvas.Label("line", frame.left + frame.width / 2, frame.top + frame.height / 2,
+                 NothingText(layer), Anchor::kMiddle);
   }
-  return svg + FrameSvg(frame) + WinnersSvg(layer, axes, panel, frame.bottom() + kStripGap);
+  canvas.Rectangle("frame", frame);
+  DrawWinners(canvas, layer, axes, panel, frame.bottom() + kStripGap);
 }
 
-std::string PanelStyleSheet(const LayerProfile& layer) {
+void AddPanelStyles(Canvas& canvas, const LayerProfile& layer) {
   constexpr std::size_t kFewClips = 30, kSomeClips = 120, kFewWindows = 150;
   struct Stroke {
     double width;
@@ -229,16 +216,16 @@ std::string PanelStyleSheet(const LayerProfile& layer) {
                                             : Stroke{0.9, 0.45};
   const Stroke best =
       layer.windows.size() <= kFewWindows ? Stroke{2, 1} : Stroke{1.2 * line.width, 0.9};
-  return fmt::format(
-      "\n"
-      "    .panel-title {{ font-size: 14px; font-weight: bold; fill: #333; }}\n"
-      "    .clip {{ fill: none; stroke-width: {}; stroke-opacity: {}; stroke-linejoin: round; }}\n"
-      "    .best {{ stroke-width: {}; stroke-opacity: {}; }}\n"
-      "    .clip:hover {{ stroke-width: 3.5; stroke-opacity: 1; }}\n"
-      "    .band {{ fill: #e2e2e2; stroke: #d0d0d0; stroke-width: 1; }}\n"
-      "    .winner-name {{ font-size: 12px; }}\n"
-      "    .sample {{ stroke-width: 3; }}\n",
-      line.width, line.opacity, best.width, best.opacity);
+  canvas.AddStyle("panel-title", {.fill = "#333", .font_size = 14, .bold = true});
+  canvas.AddStyle("clip", {.fill = "none",
+                           .stroke_width = line.width,
+                           .stroke_opacity = line.opacity,
+                           .round = true,
+                           .hover_width = 3.5});
+  canvas.AddStyle("best", {.stroke_width = best.width, .stroke_opacity = best.opacity});
+  canvas.AddStyle("band", {.fill = "#e2e2e2", .stroke = "#d0d0d0", .stroke_width = 1});
+  canvas.AddStyle("winner-name", {.font_size = 12});
+  canvas.AddStyle("sample", {.stroke_width = 3});
 }
 
 }  // namespace motiondb::client

@@ -25,12 +25,12 @@ constexpr double kStripGap = 5;
 constexpr double kStripHeight = 16;
 constexpr double kPanelHeight = kPanelTitleHeight + kPanelFrameHeight + kStripGap + kStripHeight;
 
-std::string PanelSvg(const LayerProfile& layer, const std::string& title, const PanelAxes& axes,
-                     const PictureFrame& frame);
+void DrawPanel(Canvas& canvas, const LayerProfile& layer, const std::string& title,
+               const PanelAxes& axes, const PictureFrame& frame);
 
-// Returns the styles of the panels, chosen by one of their layers. With more clips, lines are
+// Adds the styles of the panels, chosen by one of their layers. With more clips, lines are
 // thinner and paler. With more windows, more clips are the best of a window, and these lines are
 // less bold.
-std::string PanelStyleSheet(const LayerProfile& layer);
+void AddPanelStyles(Canvas& canvas, const LayerProfile& layer);
 
 }  // namespace motiondb::client

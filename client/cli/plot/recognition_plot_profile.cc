@@ -184,25 +184,26 @@ std::vector<LegendEntry> ProfileLegend(const std::vector<PlotLabel>& labels,
       continue;
     }
     const std::string style = "sample " + LabelLineStyle(static_cast<int>(i));
-    entries.push_back({fmt::format("{}: {}", TruncateToWidth(labels[i].name, kNameWidth),
-                                   CountText(labels[i].clip_count, "clip")),
-                       [style](double x, double y) { return SvgLine(style, x, y, x + 20, y); }});
+    entries.push_back(
+        {fmt::format("{}: {}", TruncateToWidth(labels[i].name, kNameWidth),
+                     CountText(labels[i].clip_count, "clip")),
+         [style](Canvas& canvas, double x, double y) { canvas.Line(style, x, y, x + 20, y); }});
   }
   if (further > 0) {
-    entries.push_back(
-        {fmt::format("and {} more", further), [](double, double) { return std::string(); }});
+    entries.push_back({fmt::format("and {} more", further), [](Canvas&, double, double) {}});
   }
   if (const std::string others = BandText(layers); !others.empty()) {
-    entries.push_back({"5 % to 95 % of " + others,
-                       [](double x, double y) { return SvgRectangle("band", x, y - 6, 20, 12); }});
+    entries.push_back({"5 % to 95 % of " + others, [](Canvas& canvas, double x, double y) {
+                         canvas.Rectangle("band", {x, y - 6, 20, 12});
+                       }});
   }
   return entries;
 }
 
 }  // namespace
 
-std::string ProfilePlotSvg(const v1::RecognizeRequest& request,
-                           const std::vector<v1::RecognizeResponse>& responses) {
+Canvas ProfilePicture(const v1::RecognizeRequest& request,
+                      const std::vector<v1::RecognizeResponse>& responses) {
   constexpr double kBetweenPanels = 14;
   std::vector<LayerProfile> layers(responses.size());
   std::transform(responses.begin(), responses.end(), layers.begin(), LayerProfileFrom);
@@ -212,18 +213,20 @@ std::string ProfilePlotSvg(const v1::RecognizeRequest& request,
   const std::string title = PlotTitle("Generation probability", request);
   const std::vector<std::string> lines = ProfileHeading(request, layers.front(), labels.size());
 
-  std::string body = HeadingSvg(kPlotLeft, kPlotWidth, title, lines);
+  Canvas canvas;
+  AddPanelStyles(canvas, layers.front());
+  DrawHeading(canvas, kPlotLeft, kPlotWidth, title, lines);
   PictureFrame frame{kPlotLeft, HeadingHeight(lines.size()) + kPanelTitleHeight, kPlotWidth,
                      kPanelFrameHeight};
   double bottom = 0;
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    body += PanelSvg(layers[i], PanelTitle(layers[i], i == 0 && request.layer() == 0), axes, frame);
+    DrawPanel(canvas, layers[i], PanelTitle(layers[i], i == 0 && request.layer() == 0), axes,
+              frame);
     bottom = frame.bottom() + kStripGap + kStripHeight;
     frame.top += kPanelHeight + kBetweenPanels;
   }
-  return PlotFile(title, PanelStyleSheet(layers.front()),
-                  LabelPatternsSvg(static_cast<int>(labels.size())), body, axes.time, bottom,
-                  {ProfileLegend(labels, layers)});
+  FinishPlot(canvas, title, axes.time, bottom, {ProfileLegend(labels, layers)});
+  return canvas;
 }
 
 }  // namespace motiondb::client

@@ -43,13 +43,12 @@ std::vector<PlotLabel> ProfileLabels(const std::vector<LayerProfile>& layers);
 // has them below the root.
 std::vector<int> PlottedLayers(int bottom_layer);
 
-// Returns a self-contained SVG file with a panel for each response. A panel shows the log
+// Returns a picture with a panel for each response. A panel shows the log
 // generation probability of stored clips at the middle of each window, coloured by label, a grey
 // band from the 5 % to the 95 % quantile of the other clips, and below them the label that wins the
 // window. All panels have the same axes. Values that are not finite are omitted and counted.
-// `request` is the request of the first layer; layer 0 is the bottom layer. The output is
-// deterministic.
-std::string ProfilePlotSvg(const v1::RecognizeRequest& request,
-                           const std::vector<v1::RecognizeResponse>& layers);
+// `request` is the request of the first layer; layer 0 is the bottom layer.
+Canvas ProfilePicture(const v1::RecognizeRequest& request,
+                      const std::vector<v1::RecognizeResponse>& layers);
 
 }  // namespace motiondb::client

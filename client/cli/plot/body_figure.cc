@@ -1,12 +1,10 @@
-#include "client/cli/plot/figure_svg.h"
-
-#include <fmt/format.h>
+#include "client/cli/plot/body_figure.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,9 +19,14 @@ constexpr double kMargin = 24;
 constexpr double kViewWidth = 380;
 constexpr double kViewHeight = 480;
 constexpr double kTop = 64;
-constexpr char kFigureStyle[] =
-    ".bone{stroke:#888;stroke-width:2;stroke-linecap:round}.left{fill:#1f77b4}.right{fill:#d62728}"
-    ".middle{fill:#2ca02c}.other{fill:#bbb}";
+
+void AddBodyStyles(Canvas& canvas) {
+  canvas.AddStyle("bone", {.stroke = "#888", .stroke_width = 2, .round = true});
+  canvas.AddStyle("left", {.fill = "#0072b2"});
+  canvas.AddStyle("right", {.fill = "#d55e00"});
+  canvas.AddStyle("middle", {.fill = "#009e73"});
+  canvas.AddStyle("other", {.fill = "#bbb"});
+}
 
 struct ShownPoint {
   double x = 0, y = 0, z = 0;  // m, world
@@ -88,21 +91,18 @@ class View {
                       (kViewHeight - kMargin) / std::max(high - low, 1e-6));
   }
 
-  std::string Svg(const std::string& title) const {
-    std::string svg = SvgLabel("line", left_, kTop - 8, title);
+  void Draw(Canvas& canvas, const std::string& title) const {
+    canvas.Label("line", left_, kTop - 8, title);
     for (const ShownPoint& point : points_) {
       if (!point.is_known() || point.parent < 0) continue;
       const ShownPoint& parent = points_[static_cast<std::size_t>(point.parent)];
-      if (parent.is_known()) svg += SvgLine("bone", X(parent), Y(parent), X(point), Y(point));
+      if (parent.is_known()) canvas.Line("bone", X(parent), Y(parent), X(point), Y(point));
     }
     for (const ShownPoint& point : points_) {
       if (!point.is_known()) continue;
-      svg +=
-          fmt::format("<g><title>{}{}{}</title>{}</g>\n", SvgText(point.name),
-                      point.role.empty() ? "" : ": ", SvgText(point.role),
-                      SvgCircle(point.style(), X(point), Y(point), point.role.empty() ? 2.5 : 4.5));
+      canvas.Circle(point.style(), X(point), Y(point), point.role.empty() ? 2.5 : 4.5).tooltip =
+          point.role.empty() ? point.name : point.name + ": " + point.role;
     }
-    return svg;
   }
 
  private:
@@ -123,7 +123,7 @@ class View {
 
 }  // namespace
 
-std::string FigureSvg(const Json& inspection) {
+Canvas BodyPicture(const Json& inspection) {
   std::vector<ShownPoint> points = PointsOf(inspection);
   for (ShownPoint& point : points) {
     if (point.parent >= static_cast<int>(points.size())) point.parent = -1;
@@ -131,13 +131,15 @@ std::string FigureSvg(const Json& inspection) {
   const auto [x, y] = LeftDirection(points);
   const double width = 2 * kViewWidth + 3 * kMargin;
   const std::string file = inspection.value("file", "");
-  std::string svg = PictureHead(width, kTop + kViewHeight + kMargin, file, kFigureStyle);
-  svg += BackgroundSvg(width, kTop + kViewHeight + kMargin);
-  svg += SvgLabel("title", kMargin, 28, TruncateToWidth(file, width - 2 * kMargin));
+  Canvas canvas;
+  AddBodyStyles(canvas);
+  canvas.SetTitle(file);
+  canvas.SetSize(width, kTop + kViewHeight + kMargin);
+  canvas.Label("title", kMargin, 28, TruncateToWidth(file, width - 2 * kMargin));
   // From the front the left side is on the right; from the left the front is on the left.
-  svg += View(points, x, y, kMargin).Svg("from the front");
-  svg += View(points, -y, x, 2 * kMargin + kViewWidth).Svg("from the left");
-  return svg + "</svg>\n";
+  View(points, x, y, kMargin).Draw(canvas, "from the front");
+  View(points, -y, x, 2 * kMargin + kViewWidth).Draw(canvas, "from the left");
+  return canvas;
 }
 
 }  // namespace motiondb::client

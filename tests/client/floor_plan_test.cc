@@ -1,4 +1,4 @@
-#include "client/cli/plot/floor_plan_svg.h"
+#include "client/cli/plot/floor_plan.h"
 
 #include <tinyxml2.h>
 
@@ -10,14 +10,14 @@
 #include "tests/client/planned_motion.h"
 #include "tests/client/svg_elements.h"
 
-namespace motiondb::tests::floor_plan_svg_test {
+namespace motiondb::tests::floor_plan_test {
 namespace {
 
 using namespace client;  // NOLINT: the functions under test
 using Catch::Contains;
 
-TEST_CASE("FloorPlanSvg: the path, with a pose every 1/6 s", "[client][cli]") {
-  const std::string svg = FloorPlanSvg(QuarterCircleRequest(), QuarterCirclePlan());
+TEST_CASE("FloorPlan: the path, with a pose every 1/6 s", "[client][cli]") {
+  const std::string svg = SvgOf(FloorPlanPicture(QuarterCircleRequest(), QuarterCirclePlan()));
   auto floor = ElementsInGroups(svg);
   CHECK(floor["polyline.path"] == 1);
   CHECK(floor["circle.pose"] == 13);   // 2 s, and the first frame
@@ -31,10 +31,10 @@ TEST_CASE("FloorPlanSvg: the path, with a pose every 1/6 s", "[client][cli]") {
                       Contains("2.00 s, 1.57 m, ends 0.021 m and 0.012 rad from the goal, "
                                "clearance 0.42 m"));
   CHECK_THAT(svg, !Contains("nan") && !Contains("inf") && !Contains("-0.00"));
-  CHECK(svg == FloorPlanSvg(QuarterCircleRequest(), QuarterCirclePlan()));
+  CHECK(svg == SvgOf(FloorPlanPicture(QuarterCircleRequest(), QuarterCirclePlan())));
 }
 
-TEST_CASE("FloorPlanSvg: alternatives and obstacles", "[client][cli]") {
+TEST_CASE("FloorPlan: alternatives and obstacles", "[client][cli]") {
   v1::PlanRequest request = QuarterCircleRequest();
   v1::Disc& disc = *request.mutable_obstacles()->add_discs();
   disc.mutable_centre()->set_x_m(0.2);
@@ -49,7 +49,7 @@ TEST_CASE("FloorPlanSvg: alternatives and obstacles", "[client][cli]") {
   v1::PlanResponse response = QuarterCirclePlan();
   *response.add_alternatives() = QuarterCircle(1.05);
   *response.add_alternatives() = QuarterCircle(0.95);
-  auto floor = ElementsInGroups(FloorPlanSvg(request, response));
+  auto floor = ElementsInGroups(SvgOf(FloorPlanPicture(request, response)));
   CHECK(floor["polyline.other"] == 2);
   CHECK(floor["circle.other-pose"] == 26);
   CHECK(floor["circle.obstacle"] == 1);
@@ -57,23 +57,24 @@ TEST_CASE("FloorPlanSvg: alternatives and obstacles", "[client][cli]") {
   CHECK(floor["circle.clearance"] == 1);
   CHECK(floor["polygon.clearance"] == 1);
   request.mutable_obstacles()->set_clearance_m(0);
-  CHECK(ElementsInGroups(FloorPlanSvg(request, response)).count("circle.clearance") == 0);
+  CHECK(ElementsInGroups(SvgOf(FloorPlanPicture(request, response))).count("circle.clearance") ==
+        0);
 }
 
-TEST_CASE("FloorPlanSvg: draws the floor without a motion", "[client][cli]") {
+TEST_CASE("FloorPlan: draws the floor without a motion", "[client][cli]") {
   v1::PlanResponse response;
   response.set_outcome(v1::PLAN_OUTCOME_UNREACHABLE);
   response.set_missing("<too far> & \"behind\" the \x01 wall");
   v1::PlanRequest request = QuarterCircleRequest();
   request.set_heading_tolerance_rad(4);
-  const std::string svg = FloorPlanSvg(request, response);
+  const std::string svg = SvgOf(FloorPlanPicture(request, response));
   auto floor = ElementsInGroups(svg);
   CHECK(floor.count("polyline.path") == 0);
   CHECK(floor["circle.wedge"] == 1);
   CHECK_THAT(svg, Contains("&lt;too far&gt; &amp; &quot;behind&quot; the \xEF\xBF\xBD wall"));
 }
 
-TEST_CASE("FloorPlanSvg: distant obstacles, NaN and long texts are harmless", "[client][cli]") {
+TEST_CASE("FloorPlan: distant obstacles, NaN and long texts are harmless", "[client][cli]") {
   v1::PlanRequest request = QuarterCircleRequest();
   v1::Disc& disc = *request.mutable_obstacles()->add_discs();
   disc.mutable_centre()->set_x_m(5000);
@@ -81,7 +82,7 @@ TEST_CASE("FloorPlanSvg: distant obstacles, NaN and long texts are harmless", "[
   v1::PlanResponse response = QuarterCirclePlan();
   response.mutable_motion()->mutable_root(7)->set_x_m(std::numeric_limits<double>::quiet_NaN());
   response.set_missing(std::string(1000, 'x'));
-  const std::string svg = FloorPlanSvg(request, response);
+  const std::string svg = SvgOf(FloorPlanPicture(request, response));
   ElementsInGroups(svg);
   CHECK_THAT(svg, Contains("xxx...</text>"));
   tinyxml2::XMLDocument document;
@@ -118,4 +119,4 @@ TEST_CASE("Svg: number format and escaped text", "[client][cli]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests::floor_plan_svg_test
+}  // namespace motiondb::tests::floor_plan_test

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
+
+#include "client/cli/plot/canvas.h"
 
 namespace motiondb::client {
 
-// Returns an SVG file with the joints or markers of a result of motiondb-import in its middle
+// Returns a picture of the joints or markers of a result of motiondb-import in its middle
 // frame; points with a role have its name as a tooltip and a colour of their side.
-std::string FigureSvg(const nlohmann::json& inspection);
+Canvas BodyPicture(const nlohmann::json& inspection);
 
 }  // namespace motiondb::client

@@ -3,17 +3,14 @@
 
 #include <motiondb/messages.h>
 
-#include <string>
-
 #include "client/cli/plot/picture.h"
 
 namespace motiondb::client {
 
-// Returns a self-contained SVG file. It shows the root's path with a circle and a heading line
+// Returns a picture. It shows the root's path with a circle and a heading line
 // every 1/6 s, start, goal with both tolerances, obstacles with clearance, and alternatives in a
-// lighter colour. Axes are in metres. The heading has the outcome and its quality. The output is
-// deterministic.
-std::string FloorPlanSvg(const v1::PlanRequest& request, const v1::PlanResponse& response);
+// lighter colour. Axes are in metres. The heading has the outcome and its quality.
+Canvas FloorPlanPicture(const v1::PlanRequest& request, const v1::PlanResponse& response);
 
 // A rectangle of the floor (m).
 struct FloorBounds {

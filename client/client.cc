@@ -60,6 +60,7 @@ MOTIONDB_UNARY(GetMarkerSet, marker_sets, MarkerSetService)
 MOTIONDB_UNARY(AddMappings, marker_sets, MarkerSetService)
 MOTIONDB_UNARY(DeleteMapping, marker_sets, MarkerSetService)
 
+MOTIONDB_UNARY(UploadClip, clips, ClipService)
 MOTIONDB_UNARY(GetClip, clips, ClipService)
 MOTIONDB_UNARY(ListClips, clips, ClipService)
 MOTIONDB_UNARY(UpdateClip, clips, ClipService)
@@ -82,10 +83,17 @@ MOTIONDB_UNARY(ListModels, models, ModelService)
 MOTIONDB_UNARY(ListNodes, models, ModelService)
 MOTIONDB_UNARY(ListTransitions, models, ModelService)
 
+MOTIONDB_UNARY(GetFigure, views, ViewService)
+MOTIONDB_UNARY(GetNodePoses, views, ViewService)
+
 MOTIONDB_UNARY(Recognize, queries, QueryService)
 MOTIONDB_UNARY(Estimate, queries, QueryService)
 MOTIONDB_UNARY(Predict, queries, QueryService)
+MOTIONDB_UNARY(Find, queries, QueryService)
 MOTIONDB_UNARY(Plan, queries, QueryService)
+
+MOTIONDB_UNARY(Represent, observations, ObserveService)
+MOTIONDB_UNARY(ListStreams, observations, ObserveService)
 
 MOTIONDB_UNARY(GetOperation, operations, OperationService)
 MOTIONDB_UNARY(ListOperations, operations, OperationService)
@@ -106,6 +114,22 @@ absl::Status Client::ReadStates(
     CallOptions options) const {
   return connection_->ReadStream(*connection_->models, &v1::ModelService::Stub::ReadStates, request,
                                  on_block, options);
+}
+
+absl::Status Client::ReadClipMotion(
+    const v1::ReadClipMotionRequest& request,
+    const std::function<absl::Status(const v1::ReadClipMotionResponse&)>& on_block,
+    CallOptions options) const {
+  return connection_->ReadStream(*connection_->views, &v1::ViewService::Stub::ReadClipMotion,
+                                 request, on_block, options);
+}
+
+absl::Status Client::ReadStateMap(
+    const v1::ReadStateMapRequest& request,
+    const std::function<absl::Status(const v1::ReadStateMapResponse&)>& on_part,
+    CallOptions options) const {
+  return connection_->ReadStream(*connection_->views, &v1::ViewService::Stub::ReadStateMap, request,
+                                 on_part, options);
 }
 
 absl::Status Client::PredictSeries(

@@ -57,6 +57,7 @@ Client::Connection::Connection(ClientOptions options)
       segments(v1::SegmentService::NewStub(channel_)),
       edits(v1::EditService::NewStub(channel_)),
       models(v1::ModelService::NewStub(channel_)),
+      views(v1::ViewService::NewStub(channel_)),
       queries(v1::QueryService::NewStub(channel_)),
       observations(v1::ObserveService::NewStub(channel_)),
       operations(v1::OperationService::NewStub(channel_)),

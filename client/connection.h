@@ -16,6 +16,7 @@
 #include <motiondb/v1/segment.grpc.pb.h>
 #include <motiondb/v1/server.grpc.pb.h>
 #include <motiondb/v1/store.grpc.pb.h>
+#include <motiondb/v1/view.grpc.pb.h>
 
 #include <cstddef>
 #include <functional>
@@ -121,6 +122,7 @@ class Client::Connection {
   const std::unique_ptr<v1::SegmentService::Stub> segments;
   const std::unique_ptr<v1::EditService::Stub> edits;
   const std::unique_ptr<v1::ModelService::Stub> models;
+  const std::unique_ptr<v1::ViewService::Stub> views;
   const std::unique_ptr<v1::QueryService::Stub> queries;
   const std::unique_ptr<v1::ObserveService::Stub> observations;
   const std::unique_ptr<v1::OperationService::Stub> operations;

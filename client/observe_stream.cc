@@ -76,10 +76,13 @@ ObserveStream Client::Observe(const v1::ObserveStart& start, CallOptions options
   return ObserveStream(std::make_unique<ObserveStream::Call>(connection_, start, options));
 }
 
-absl::StatusOr<v1::RepresentResponse> Client::Represent(const v1::RepresentRequest& request,
-                                                        CallOptions options) const {
-  return connection_->Call(*connection_->observations, &v1::ObserveService::Stub::Represent,
-                           request, options);
+absl::Status Client::WatchStream(
+    const v1::WatchStreamRequest& request,
+    const std::function<absl::Status(const v1::WatchStreamResponse&)>& on_message,
+    CallOptions options) const {
+  if (!options.timeout) options.timeout = kNoTimeout;
+  return connection_->ReadStream(*connection_->observations, &v1::ObserveService::Stub::WatchStream,
+                                 request, on_message, options);
 }
 
 }  // namespace motiondb::client

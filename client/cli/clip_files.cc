@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_split.h"
+#include "client/cli/annotate/clip_edit.h"
 #include "client/cli/file_formats.h"
 #include "client/tab_separated.h"
 
@@ -134,7 +135,7 @@ constexpr std::string_view kFieldPrefix = "field.";
 
 void SetTags(std::string_view cell, ClipEntry& entry) {
   for (const auto tag : absl::StrSplit(std::string(cell), ',', absl::SkipWhitespace())) {
-    entry.details.tags.emplace_back(absl::StripAsciiWhitespace(tag));
+    entry.tags.emplace_back(absl::StripAsciiWhitespace(tag));
   }
 }
 
@@ -151,15 +152,15 @@ absl::Status SetCell(const std::filesystem::path& folder, std::string_view colum
   } else if (column == "skeleton") {
     entry.skeleton = folder / cell;
   } else if (column == "title") {
-    entry.details.title = cell;
+    entry.title = cell;
   } else if (column == "description") {
-    entry.details.description = cell;
+    entry.description = cell;
   } else if (column == "tags") {
     SetTags(cell, entry);
   } else if (column.starts_with(kFieldPrefix)) {
     auto field = ParseField(std::string(column.substr(kFieldPrefix.size())), std::string(cell));
     if (!field.ok()) return field.status();
-    entry.details.fields.insert_or_assign(field->first, std::move(field->second));
+    entry.fields.insert_or_assign(field->first, std::move(field->second));
   }
   return absl::OkStatus();
 }

@@ -1,14 +1,16 @@
 // The clips that a command line names: files, folders, patterns, standard input, and lists.
 #pragma once
 
+#include <motiondb/v1/clip.pb.h>
+
 #include <filesystem>
 #include <istream>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cli/annotate/clip_edit.h"
 
 namespace motiondb::client {
 
@@ -18,7 +20,10 @@ struct ClipEntry {
   std::string label;
   std::string subject;
   std::filesystem::path skeleton;
-  ClipEdit details;  // title, description, tags and fields, which the clip gets after its ingest
+  std::string title;
+  std::string description;
+  std::vector<std::string> tags;
+  std::map<std::string, v1::FieldValue> fields;
 };
 
 // Returns the files that arguments name, in the order of the arguments. An argument is:

@@ -27,6 +27,25 @@ namespace {
 
 constexpr double kSecondsUntilEstimate = 3;
 
+// A message with another text cannot be sent.
+absl::Status CheckTexts(const ClipEntry& clip) {
+  const auto check = [](const std::string& what, const std::string& text) {
+    if (text::IsUtf8(text)) return absl::OkStatus();
+    return absl::InvalidArgumentError(fmt::format("the {} is not UTF-8 text", what));
+  };
+  absl::Status checked = check("label", clip.label);
+  checked.Update(check("subject", clip.subject));
+  checked.Update(check("name", clip.path.filename().string()));
+  checked.Update(check("title", clip.title));
+  checked.Update(check("description", clip.description));
+  for (const std::string& tag : clip.tags) checked.Update(check("tag", tag));
+  for (const auto& [name, value] : clip.fields) {
+    checked.Update(check("name of a field", name));
+    checked.Update(check(fmt::format("field {}", name), value.text()));
+  }
+  return checked;
+}
+
 }  // namespace
 
 std::string FileProgressText(std::size_t done, std::size_t count, const std::string& name,
@@ -54,7 +73,7 @@ absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
     const absl::Status sent = SendTakes(clip, [&](const v1::IngestClipResponse& response) {
       // Without lines between the files, the bar stays, so that it does not flicker.
       if (bar && settings_.output != IngestOutput::kSummary) bar->Clear();
-      Accept(response, clip.details);
+      Accept(response);
     });
     if (sent.ok()) continue;
     failures_.push_back(FailureOf(clip.path, sent.message()));
@@ -106,16 +125,15 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
                                                             const std::string& take) const {
   const auto skeleton = SkeletonFor(clip.path, clip.skeleton);
   if (!skeleton.ok()) return skeleton.status();
-  const std::pair<const char*, std::string> texts[] = {
-      {"label", clip.label}, {"subject", clip.subject}, {"name", clip.path.filename().string()}};
-  for (const auto& [what, text] : texts) {
-    if (text::IsUtf8(text)) continue;
-    return absl::InvalidArgumentError(fmt::format("the {} is not UTF-8 text", what));
-  }
+  if (const absl::Status status = CheckTexts(clip); !status.ok()) return status;
   v1::IngestClipHeader header;
   header.set_parent(database_);
   header.set_label(clip.label);
   header.set_subject(clip.subject);
+  header.set_title(clip.title);
+  header.set_description(clip.description);
+  for (const std::string& tag : clip.tags) header.add_tags(tag);
+  for (const auto& [name, value] : clip.fields) (*header.mutable_fields())[name] = value;
   header.set_replace(settings_.replace);
   header.set_validate_only(settings_.dry_run);
   *header.mutable_conventions() = Conventions(settings_.source);
@@ -123,14 +141,11 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
   return client_.IngestFile(header, clip.path, *skeleton);
 }
 
-void IngestBatch::Accept(const v1::IngestClipResponse& response, const ClipEdit& details) {
+void IngestBatch::Accept(const v1::IngestClipResponse& response) {
   ++accepted_clips_;
   accepted_frames_ += response.clip().frame_count();
   // The last requested rebuild includes all clips, because it begins after they were stored.
   operation_ = response.operation().name();
-  if (!details.empty() && !settings_.dry_run) {
-    *details_.emplace_back().mutable_update_clip() = UpdateRequest(details, response.clip());
-  }
   if (settings_.output == IngestOutput::kJson) PrintJson(response);
   if (settings_.output == IngestOutput::kEachClip) PrintText(IngestedClipText(response.clip()));
   // Flushes, so that a script knows the stored clips even if this process is killed.
@@ -151,20 +166,7 @@ std::string IngestBatch::AmountText() const {
                      CountText(accepted_frames_, "frame"));
 }
 
-absl::Status IngestBatch::SendDetails() {
-  SentChanges sent;
-  const absl::Status status = SendChanges(
-      client_, database_, details_,
-      [&](std::size_t i) { return ShortName(details_[i].update_clip().clip().name()); }, sent);
-  if (status.ok()) return status;
-  return WithMessage(status,
-                     fmt::format("{}; {}, without all of their titles, descriptions, tags and "
-                                 "fields; set them with `motiondb update`",
-                                 std::string(status.message()), StoredText()));
-}
-
 absl::Status IngestBatch::Finish() {
-  if (const absl::Status status = SendDetails(); !status.ok()) return status;
   if (settings_.dry_run) {
     if (accepted_clips_ > 0 && PrintsSummary()) PrintLine("would store {}", AmountText());
     return absl::OkStatus();

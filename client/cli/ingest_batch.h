@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cli/annotate/batch_edit.h"
 #include "client/cli/clip_files.h"
 #include "client/cli/file_failures.h"
 #include "client/cli/motion_file.h"
@@ -50,8 +49,7 @@ class IngestBatch {
   // single files.
   absl::Status Send(const std::vector<ClipEntry>& clips);
 
-  // Sets titles, descriptions, tags and fields of the stored clips, waits for the new model, if
-  // anything was stored, and prints a summary.
+  // Waits for the new model, if anything was stored, and prints a summary.
   absl::Status Finish();
 
   // Files that were not accepted.
@@ -65,8 +63,7 @@ class IngestBatch {
   // error.
   absl::Status SendTakes(const ClipEntry& clip,
                          const std::function<void(const v1::IngestClipResponse&)>& accept) const;
-  void Accept(const v1::IngestClipResponse& response, const ClipEdit& details);
-  absl::Status SendDetails();
+  void Accept(const v1::IngestClipResponse& response);
   absl::Status AwaitModel() const;
   bool PrintsSummary() const;
   std::string StoredText() const;  // "2 clips are stored"
@@ -78,7 +75,6 @@ class IngestBatch {
   int accepted_clips_ = 0;
   std::int64_t accepted_frames_ = 0;
   std::string operation_;
-  std::vector<v1::Change> details_;  // of the stored clips
   std::vector<FileFailure> failures_;
 };
 

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <optional>
 
+#include "client/cli/annotate/annotation_options.h"
+#include "client/cli/annotate/clip_edit.h"
 #include "client/cli/clip_files.h"
 #include "client/cli/command.h"
 #include "client/cli/ingest_batch.h"
@@ -25,6 +27,10 @@ struct IngestOptions {
   std::string label;
   std::string label_from;
   std::string subject;
+  std::string title;
+  std::string description;
+  std::vector<std::string> tags;
+  std::vector<std::string> fields;
   SourceOptions source;
   bool replace = false;
   bool dry_run = false;
@@ -66,6 +72,16 @@ void DeclareClips(CLI::App& command, IngestOptions& options) {
       .add_option("--subject", options.subject,
                   "Subject of clips without a subject in the list or from --label-from")
       ->type_name("S");
+  command
+      .add_option("--title", options.title, "Title of clips without a title in the list, one line")
+      ->type_name("T");
+  command
+      .add_option("--description", options.description,
+                  "Description of clips without a description in the list")
+      ->type_name("TEXT");
+  AddRepeatedOption(command, "--tag", options.tags, "TAG", "Tag of all clips; may be repeated");
+  AddFieldOption(command, options.fields,
+                 "Field of clips without it in the list, NAME=VALUE; may be repeated");
 }
 
 void Declare(CLI::App& command, IngestOptions& options) {
@@ -74,7 +90,7 @@ void Declare(CLI::App& command, IngestOptions& options) {
   AddForceOption(command, options.source);
   command.add_flag("--replace", options.replace,
                    "Replace the stored clip of the same motion, for example to correct its unit; "
-                   "id, label and subject are kept unless given");
+                   "id, label, subject, title, description, tags and fields are kept unless given");
   command.add_flag("--dry-run", options.dry_run,
                    "Check the files on the server and print what would be stored; store nothing");
   command.add_flag("--no-wait", options.no_wait, "Do not wait for the model");
@@ -101,6 +117,19 @@ absl::Status ReadLabels(const LabelPattern& pattern, const std::string& text, Cl
   }
   clip.label = labels->label;
   if (clip.subject.empty()) clip.subject = labels->subject;
+  return absl::OkStatus();
+}
+
+// Adds title, description, tags and fields of the options to a clip.
+absl::Status AddAnnotations(const IngestOptions& options, ClipEntry& clip) {
+  if (clip.title.empty()) clip.title = options.title;
+  if (clip.description.empty()) clip.description = options.description;
+  clip.tags.insert(clip.tags.end(), options.tags.begin(), options.tags.end());
+  for (const std::string& text : options.fields) {
+    auto field = ParseFieldOption(text);
+    if (!field.ok()) return UsageError(std::string(field.status().message()));
+    clip.fields.insert(*std::move(field));
+  }
   return absl::OkStatus();
 }
 
@@ -132,6 +161,7 @@ absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
     if (clip.label.empty()) clip.label = options.label;
     if (clip.subject.empty()) clip.subject = options.subject;
     if (clip.skeleton.empty()) clip.skeleton = options.source.skeleton;
+    if (absl::Status added = AddAnnotations(options, clip); !added.ok()) return added;
   }
   return clips;
 }
@@ -183,11 +213,13 @@ absl::Status Run(const IngestOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddIngestCommand(CommandLine line) {
-  AddCommand<IngestOptions>(line, "ingest", "Store motion files and wait for the new model",
-                            "motiondb ingest walks 07_01.bvh --label walk --subject 07\nmotiondb "
-                            "ingest walks recordings/ --label-from '{subject}_{label}_*'\nmotiondb "
-                            "ingest walks --list clips.tsv --dry-run",
-                            Declare, Run);
+  AddCommand<IngestOptions>(
+      line, "ingest", "Store motion files and wait for the new model",
+      "motiondb ingest walks 07_01.bvh --label walk --subject 07 --tag outdoor\n"
+      "motiondb ingest walks 07_02.bvh --title \"A slow walk\" --field weight_kg=72.5\n"
+      "motiondb ingest walks recordings/ --label-from '{subject}_{label}_*'\n"
+      "motiondb ingest walks --list clips.tsv --dry-run",
+      Declare, Run);
 }
 
 }  // namespace motiondb::client

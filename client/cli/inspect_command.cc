@@ -14,7 +14,8 @@
 #include "client/cli/import_request.h"
 #include "client/cli/inspection_text.h"
 #include "client/cli/motion_file.h"
-#include "client/cli/plot/figure_svg.h"
+#include "client/cli/plot/body_figure.h"
+#include "client/cli/plot/picture_file.h"
 #include "client/cli/terminal/print.h"
 #include "client/cli/terminal/progress_bar.h"
 #include "client/output_file.h"
@@ -37,8 +38,8 @@ void Declare(CLI::App& command, InspectOptions& options) {
       .add_option("FILE", options.files,
                   "Motion files, folders, patterns, or - for a list of paths")
       ->required();
-  command.add_option("--plot", options.plot, "Draw the body in the middle of one file, as SVG")
-      ->type_name("FILE.svg");
+  command.add_option("--plot", options.plot, "Draw the body in the middle of one file")
+      ->type_name(kPictureFile);
   command
       .add_option("--write-mapping", options.write_mapping,
                   "Write the mapping of one file to standard34, or a draft of it, for `motiondb "
@@ -152,7 +153,7 @@ class Inspections {
 
   absl::Status WriteFiles(const Json& answer) const {
     if (!options_.plot.empty()) {
-      const absl::Status written = WriteFileAtomically(options_.plot, FigureSvg(answer));
+      const absl::Status written = WritePicture(options_.plot, BodyPicture(answer));
       if (!written.ok()) return written;
     }
     if (options_.write_mapping.empty()) return absl::OkStatus();
@@ -184,6 +185,7 @@ absl::Status Run(const InspectOptions& options, const GlobalOptions& global) {
     if (output.empty() || !std::filesystem::equivalent(output, files->front(), ignored)) continue;
     return UsageError(fmt::format("{} is the inspected file itself", output));
   }
+  if (absl::Status status = CheckPictureFile("--plot", options.plot); !status.ok()) return status;
   absl::Status writable = CheckCanWrite({options.plot, options.write_mapping});
   if (!writable.ok()) return writable;
   Inspections inspections(*std::move(files), options, global.json);

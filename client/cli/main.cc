@@ -90,8 +90,11 @@ void AddCommands(CommandLine line) {
   AddRecognizeCommand(line);
   AddEstimateCommand(line);
   AddPredictCommand(line);
+  AddFindCommand(line);
   AddObserveCommand(line);
+  AddStreamsCommand(line);
   AddPlanCommand(line);
+  AddPictureCommand(line);
   AddDumpCommand(line);
   AddExportCommand(line);
   AddDeleteCommand(line);
@@ -104,6 +107,8 @@ void AddCommands(CommandLine line) {
   AddStatusCommand(line);
   AddBackupCommand(line);
   AddRestoreCommand(line);
+  AddExportDatabaseCommand(line);
+  AddImportDatabaseCommand(line);
   AddVerifyCommand(line);
   AddHelpCommand(line);
   AddVersionCommand(line);

@@ -13,6 +13,7 @@
 #include "client/cli/database_text.h"
 #include "client/cli/query/recognition_text.h"
 #include "client/cli/terminal/print.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 
@@ -134,6 +135,11 @@ std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds,
         line += fmt::format(" +-{:.1f} cm", 100 * ahead.expected_error_m());
       }
     }
+  }
+  for (const v1::TrackLabels& track : answer.other_tracks()) {
+    const TrackAnswer of_track = TrackAnswerOf(track);
+    line += fmt::format("  {}: {} {:.2f}", text::DisplayText(track.track()), of_track.label,
+                        of_track.probability);
   }
   if (answer.model_replaced()) {
     // A model that is not stored yet has no version.

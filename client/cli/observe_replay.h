@@ -31,7 +31,8 @@ absl::StatusOr<ReplayStatistics> Replay(
     const ReplayOptions& options, const std::function<void(const v1::ObserveResponse&)>& on_answer);
 
 // Returns a line without line end. `seconds`: time of the newest frame in the motion. The line
-// begins with "unknown" if the probability of unknown motion is greater than `unknown_threshold`.
+// begins with "unknown" if the probability of unknown motion is greater than `unknown_threshold`,
+// and has the labels of other tracks, as in "carries: box 0.80".
 std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds,
                               double unknown_threshold);
 

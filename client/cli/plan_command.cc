@@ -10,7 +10,8 @@
 #include "client/cli/motion_file.h"
 #include "client/cli/plan_request.h"
 #include "client/cli/plan_text.h"
-#include "client/cli/plot/floor_plan_svg.h"
+#include "client/cli/plot/floor_plan.h"
+#include "client/cli/plot/picture_file.h"
 #include "client/cli/terminal/print.h"
 #include "client/output_file.h"
 
@@ -35,7 +36,7 @@ void Declare(CLI::App& command, PlanOptions& options) {
           "FILE-2 and so on")
       ->type_name("FILE.bvh|csv|glb|...");
   command.add_option("--plot", options.plot, "Draw the plan seen from above")
-      ->type_name("FILE.svg");
+      ->type_name(kPictureFile);
   command.footer("The exit status is 3 if the goal is UNREACHABLE, with or without output files.");
 }
 
@@ -58,9 +59,7 @@ absl::Status RequestFiles(const PlanOptions& options, v1::PlanRequest& request) 
     request.set_include_files(true);
     request.set_file_format(*format);
   }
-  if (!options.plot.empty() && !HasExtension(options.plot, ".svg")) {
-    return UsageError(fmt::format("--plot {}: the plan is drawn as FILE.svg", options.plot));
-  }
+  if (absl::Status status = CheckPictureFile("--plot", options.plot); !status.ok()) return status;
   std::vector<fs::path> paths = {options.plot};
   for (int i = 0; i <= options.request.alternatives && !options.out.empty(); ++i) {
     paths.push_back(Numbered(options.out, i + 1));
@@ -77,8 +76,9 @@ absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& reque
     return status;
   };
   if (!options.plot.empty()) {
-    absl::Status status = write(options.plot, FloorPlanSvg(request, response));
+    absl::Status status = WritePicture(options.plot, FloorPlanPicture(request, response));
     if (!status.ok()) return status;
+    written.push_back(options.plot);
   }
   if (options.out.empty()) return absl::OkStatus();
   if (!response.has_motion()) {

@@ -42,6 +42,10 @@ std::string EditName(const std::string& database, const std::string& given) {
   return InDatabase(database, "/edits/", given);
 }
 
+std::string StreamName(const std::string& database, const std::string& given) {
+  return InDatabase(database, "/streams/", given);
+}
+
 std::string OperationName(const std::string& given) { return InCollection("operations/", given); }
 
 std::string TokenName(const std::string& given) {

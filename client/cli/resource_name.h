@@ -24,6 +24,9 @@ absl::StatusOr<std::string> SegmentName(const std::string& database, const std::
 // "17" in database "walks" -> "databases/walks/edits/17"
 std::string EditName(const std::string& database, const std::string& given);
 
+// "3" in database "walks" -> "databases/walks/streams/3"
+std::string StreamName(const std::string& database, const std::string& given);
+
 // "17" -> "operations/17"
 std::string OperationName(const std::string& given);
 

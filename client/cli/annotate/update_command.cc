@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/call_failure.h"
+#include "client/cli/annotate/annotation_options.h"
 #include "client/cli/annotate/batch_edit.h"
 #include "client/cli/annotate/clip_edit.h"
 #include "client/cli/command.h"
@@ -29,24 +30,11 @@ struct UpdateOptions {
   bool no_wait = false;
 };
 
-CLI::Validator FieldText() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        return std::string(ParseFieldOption(text).status().message());
-      },
-      "");
-}
-
 void DeclareTexts(CLI::App& command, ClipEdit& edit) {
   command.add_option("--label", edit.label, "Label of the whole clip")->type_name("L");
   command.add_option("--subject", edit.subject, "Person or body that was recorded")->type_name("S");
   command.add_option("--title", edit.title, "Title, one line")->type_name("T");
   command.add_option("--description", edit.description, "Description")->type_name("TEXT");
-}
-
-void DeclareRepeated(CLI::App& command, const char* name, std::vector<std::string>& values,
-                     const char* type, const char* description) {
-  command.add_option(name, values, description)->type_name(type)->allow_extra_args(false);
 }
 
 void Declare(CLI::App& command, UpdateOptions& options) {
@@ -56,15 +44,12 @@ void Declare(CLI::App& command, UpdateOptions& options) {
       command, options.filter, "Change all clips that pass this filter, instead of CLIP");
   filter->excludes(clip);
   DeclareTexts(command, options.edit);
-  DeclareRepeated(command, "--tag", options.edit.tags, "TAG", "Tag to add; may be repeated");
-  DeclareRepeated(command, "--remove-tag", options.edit.removed_tags, "TAG",
-                  "Tag to remove; may be repeated");
-  command.add_option("--field", options.fields, "Field to set, NAME=VALUE; may be repeated")
-      ->type_name("NAME[:TYPE]=VALUE")
-      ->allow_extra_args(false)
-      ->check(FieldText());
-  DeclareRepeated(command, "--remove-field", options.edit.removed_fields, "NAME",
-                  "Field to remove; may be repeated");
+  AddRepeatedOption(command, "--tag", options.edit.tags, "TAG", "Tag to add; may be repeated");
+  AddRepeatedOption(command, "--remove-tag", options.edit.removed_tags, "TAG",
+                    "Tag to remove; may be repeated");
+  AddFieldOption(command, options.fields, "Field to set, NAME=VALUE; may be repeated");
+  AddRepeatedOption(command, "--remove-field", options.edit.removed_fields, "NAME",
+                    "Field to remove; may be repeated");
   command
       .add_option("--etag", options.etag,
                   "Change nothing if the clip does not have this etag, from `motiondb list --json`")

@@ -129,9 +129,17 @@ std::string CountText(std::int64_t count, const char* noun) {
 namespace {
 
 // Fields of packed float32: the names of the bytes fields of motiondb.v1 that hold numbers.
-constexpr std::string_view kPackedFields[] = {"angles", "joint_angles",     "marker_deviations",
-                                              "mean",   "marker_positions", "positions",
-                                              "scales", "states",           "variance"};
+constexpr std::string_view kPackedFields[] = {"angles",
+                                              "joint_angles",
+                                              "joint_positions",
+                                              "marker_deviations",
+                                              "marker_positions",
+                                              "marker_velocities",
+                                              "mean",
+                                              "positions",
+                                              "scales",
+                                              "states",
+                                              "variance"};
 
 std::string NumbersText(const std::string& bytes) {
   std::string text;

@@ -89,6 +89,9 @@ class Client {
                                                      std::string_view file,
                                                      std::string_view skeleton = {},
                                                      CallOptions options = {}) const;
+  // Stores a file in one message. IngestFile accepts files of any size.
+  absl::StatusOr<v1::UploadClipResponse> UploadClip(const v1::UploadClipRequest& request,
+                                                    CallOptions options = {}) const;
   absl::StatusOr<v1::GetClipResponse> GetClip(const v1::GetClipRequest& request,
                                               CallOptions options = {}) const;
   absl::StatusOr<v1::ListClipsResponse> ListClips(const v1::ListClipsRequest& request,
@@ -152,6 +155,24 @@ class Client {
       const std::function<absl::Status(const v1::ReadStatesResponse&)>& on_block,
       CallOptions options = {}) const;
 
+  // ---- Views -----------------------------------------------------------------------------------
+  // Geometry for pictures. Messages: <motiondb/v1/view.pb.h>. Bytes fields: UnpackFloats.
+  absl::StatusOr<v1::GetFigureResponse> GetFigure(const v1::GetFigureRequest& request,
+                                                  CallOptions options = {}) const;
+  absl::StatusOr<v1::GetNodePosesResponse> GetNodePoses(const v1::GetNodePosesRequest& request,
+                                                        CallOptions options = {}) const;
+  // Calls `on_block` for each block of frames, in order. If it returns an error, the call is
+  // cancelled and the error returned; the same for ReadStateMap.
+  absl::Status ReadClipMotion(
+      const v1::ReadClipMotionRequest& request,
+      const std::function<absl::Status(const v1::ReadClipMotionResponse&)>& on_block,
+      CallOptions options = {}) const;
+  // Calls `on_part` for the header, then for each block of nodes, transitions and points.
+  absl::Status ReadStateMap(
+      const v1::ReadStateMapRequest& request,
+      const std::function<absl::Status(const v1::ReadStateMapResponse&)>& on_part,
+      CallOptions options = {}) const;
+
   // ---- Queries ---------------------------------------------------------------------------------
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request,
                                                   CallOptions options = {}) const;
@@ -165,6 +186,8 @@ class Client {
       const v1::PredictSeriesRequest& request,
       const std::function<absl::Status(const v1::PredictSeriesResponse&)>& on_prediction,
       CallOptions options = {}) const;
+  absl::StatusOr<v1::FindResponse> Find(const v1::FindRequest& request,
+                                        CallOptions options = {}) const;
   // Messages: <motiondb/v1/plan.pb.h>. An unreached goal is not an error; see the outcome in the
   // response. The search takes at most half of the timeout; the rest is for computing and sending
   // the motion.
@@ -178,6 +201,17 @@ class Client {
   // of a stream.
   absl::StatusOr<v1::RepresentResponse> Represent(const v1::RepresentRequest& request,
                                                   CallOptions options = {}) const;
+  // Lists the running streams of a database, also those of other clients.
+  absl::StatusOr<v1::ListStreamsResponse> ListStreams(const v1::ListStreamsRequest& request,
+                                                      CallOptions options = {}) const;
+  // Calls `on_message` with the description of a running stream, then with its answers as they are
+  // made. If it is slow, answers are left out (skipped_count). Returns OK when the stream has
+  // ended. If `on_message` returns an error, the call is cancelled and the error returned. The
+  // default timeout is unlimited.
+  absl::Status WatchStream(
+      const v1::WatchStreamRequest& request,
+      const std::function<absl::Status(const v1::WatchStreamResponse&)>& on_message,
+      CallOptions options = {}) const;
 
   // ---- Operations ------------------------------------------------------------------------------
   absl::StatusOr<v1::GetOperationResponse> GetOperation(const v1::GetOperationRequest& request,
@@ -231,6 +265,19 @@ class Client {
   absl::StatusOr<v1::RestoreStoreResponse> RestoreStore(
       const std::filesystem::path& path, const std::function<void(double)>& on_progress = {},
       CallOptions options = {}) const;
+
+  // ---- A database as a file --------------------------------------------------------------------
+  // Writes a database to `path`, as BackupStore writes the store. NOT_FOUND: there is no database.
+  absl::StatusOr<std::int64_t> ExportDatabase(const v1::ExportDatabaseRequest& request,
+                                              const std::filesystem::path& path,
+                                              bool overwrite = false,
+                                              const std::function<void(double)>& on_progress = {},
+                                              CallOptions options = {}) const;
+  // Sends an exported database, as RestoreStore sends a backup. `database_id`: of the new database;
+  // empty: the exported one. ALREADY_EXISTS: the server has a database of this id.
+  absl::StatusOr<v1::ImportDatabaseResponse> ImportDatabase(
+      const std::filesystem::path& path, const std::string& database_id = "",
+      const std::function<void(double)>& on_progress = {}, CallOptions options = {}) const;
 
   // ---- Whole lists -----------------------------------------------------------------------------
   // Read all pages of a list, one call for each page. The request's page_token must be empty.

@@ -67,6 +67,8 @@ class SearchClipsResponse;
 class Skeleton;
 class UpdateClipRequest;
 class UpdateClipResponse;
+class UploadClipRequest;
+class UploadClipResponse;
 
 // edit.proto
 class BatchEditRequest;
@@ -105,10 +107,14 @@ class WaitOperationRequest;
 class WaitOperationResponse;
 
 // observe.proto
+class ListStreamsRequest;
+class ListStreamsResponse;
 class ObserveResponse;
 class ObserveStart;
 class RepresentRequest;
 class RepresentResponse;
+class WatchStreamRequest;
+class WatchStreamResponse;
 
 // plan.proto
 class PlanRequest;
@@ -117,6 +123,8 @@ class PlannedMotion;
 
 // store.proto
 class BackupStoreRequest;
+class ExportDatabaseRequest;
+class ImportDatabaseResponse;
 class RestoreStoreResponse;
 class VerifyStoreRequest;
 class VerifyStoreResponse;
@@ -125,6 +133,8 @@ class VerifySummary;
 // query.proto
 class EstimateRequest;
 class EstimateResponse;
+class FindRequest;
+class FindResponse;
 class PredictRequest;
 class PredictResponse;
 class PredictSeriesRequest;
@@ -146,5 +156,15 @@ class UpdateSegmentResponse;
 // server.proto
 class GetServerStatusRequest;
 class GetServerStatusResponse;
+
+// view.proto
+class GetFigureRequest;
+class GetFigureResponse;
+class GetNodePosesRequest;
+class GetNodePosesResponse;
+class ReadClipMotionRequest;
+class ReadClipMotionResponse;
+class ReadStateMapRequest;
+class ReadStateMapResponse;
 
 }  // namespace motiondb::v1

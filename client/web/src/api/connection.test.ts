@@ -1,0 +1,40 @@
+import { Code, ConnectError } from '@connectrpc/connect';
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { Connection } from './connection';
+
+beforeEach(() => {
+  vi.useFakeTimers();
+});
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+test('a lost connection is probed until it is restored', async () => {
+  let up = false;
+  const probe = vi.fn(() => (up ? Promise.resolve() : Promise.reject(new TypeError('down'))));
+  const connection = new Connection(probe, 1000);
+  const states: string[] = [];
+  connection.onChange((state) => states.push(state));
+  connection.failed(new TypeError('fetch failed'));
+  connection.failed(new ConnectError('gone', Code.Unavailable));
+  expect(states).toEqual(['lost']);
+  await vi.advanceTimersByTimeAsync(3500);
+  expect(probe.mock.calls.length).toBe(3);
+  up = true;
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(states).toEqual(['lost', 'connected']);
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(probe.mock.calls.length).toBe(4);
+});
+
+test('a revoked token asks for a login', () => {
+  const connection = new Connection(() => Promise.resolve());
+  connection.failed(new ConnectError('revoked', Code.Unauthenticated));
+  expect(connection.state).toBe('login');
+});
+
+test('an error of a call is not a lost connection', () => {
+  const connection = new Connection(() => Promise.resolve());
+  connection.failed(new ConnectError('no clip', Code.NotFound));
+  expect(connection.state).toBe('connected');
+});

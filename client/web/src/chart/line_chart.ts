@@ -1,0 +1,140 @@
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import { element } from '../dom/element';
+import type { ThemeSwitch } from '../shell/theme';
+
+export interface ChartLine {
+  name: string;
+  // Name of a colour of the style sheet, such as --left.
+  color: string;
+  values: ArrayLike<number | null>;
+}
+
+export interface ChartOptions {
+  theme: ThemeSwitch;
+  // What the chart shows, for screen readers.
+  label: string;
+  unit: string;
+  // x are seconds since 1970, shown as times of day; otherwise plain numbers.
+  times?: boolean;
+  height?: number;
+  // The user has clicked at x.
+  pick?: (x: number) => void;
+}
+
+const kHeight = 180;
+
+// Lines over a common x, with a vertical line at a moment.
+export class LineChart {
+  readonly node: HTMLElement;
+  private chart: uPlot | undefined;
+  private lines: readonly ChartLine[] = [];
+  private unit: string;
+  private x: ArrayLike<number> = [];
+  private marked = NaN;
+  private readonly mark = element('div', { class: 'chart-mark', hidden: true });
+  private readonly observer: ResizeObserver;
+  private readonly remove: () => void;
+
+  constructor(private readonly options: ChartOptions) {
+    this.unit = options.unit;
+    this.node = element('div', { class: 'chart', role: 'img', 'aria-label': options.label });
+    this.observer = new ResizeObserver(() => {
+      const width = this.node.clientWidth;
+      if (width > 0) this.chart?.setSize({ width, height: this.height });
+      this.placeMark();
+    });
+    this.observer.observe(this.node);
+    this.remove = options.theme.onChange(() => {
+      this.build();
+    });
+  }
+
+  // Shows lines; each has as many values as x. null and NaN are gaps.
+  setData(x: ArrayLike<number>, lines: readonly ChartLine[], unit = this.options.unit): void {
+    const same =
+      unit === this.unit &&
+      this.lines.length === lines.length &&
+      this.lines.every((line, index) => line.name === lines[index]?.name);
+    this.unit = unit;
+    this.x = x;
+    this.lines = lines;
+    if (same && this.chart) this.chart.setData(this.data());
+    else this.build();
+  }
+
+  // Marks a moment by a line; NaN: none.
+  setMark(x: number): void {
+    this.marked = x;
+    this.placeMark();
+  }
+
+  dispose(): void {
+    this.observer.disconnect();
+    this.remove();
+    this.chart?.destroy();
+    this.chart = undefined;
+    this.node.remove();
+  }
+
+  private get height(): number {
+    return this.options.height ?? kHeight;
+  }
+
+  private data(): uPlot.AlignedData {
+    const gaps = (values: ArrayLike<number | null>) =>
+      Array.from(values, (value) => (value === null || Number.isNaN(value) ? null : value));
+    return [Array.from(this.x), ...this.lines.map((line) => gaps(line.values))];
+  }
+
+  private build(): void {
+    this.chart?.destroy();
+    this.node.replaceChildren();
+    if (this.lines.length === 0) return;
+    const { theme } = this.options;
+    const axis: uPlot.Axis = {
+      stroke: theme.color('--text'),
+      grid: { stroke: theme.color('--line'), width: 1 },
+      ticks: { stroke: theme.color('--line'), width: 1 },
+    };
+    this.chart = new uPlot(
+      {
+        width: Math.max(100, this.node.clientWidth),
+        height: this.height,
+        scales: { x: { time: this.options.times === true } },
+        axes: [axis, { ...axis, label: this.unit, size: 56, labelSize: 18 }],
+        series: [
+          { label: this.options.times === true ? 'time' : 's' },
+          ...this.lines.map((line) => ({
+            label: line.name,
+            stroke: theme.color(line.color),
+            width: 1.5,
+            points: { show: false },
+          })),
+        ],
+        cursor: { drag: { x: true, y: false } },
+        hooks: {
+          draw: [
+            () => {
+              this.placeMark();
+            },
+          ],
+        },
+      },
+      this.data(),
+      this.node,
+    );
+    this.chart.over.append(this.mark);
+    const { over } = this.chart;
+    over.addEventListener('click', (event) => {
+      if (this.chart) this.options.pick?.(this.chart.posToVal(event.offsetX, 'x'));
+    });
+  }
+
+  private placeMark(): void {
+    const at = this.chart?.valToPos(this.marked, 'x') ?? NaN;
+    const visible = Number.isFinite(at) && at >= 0 && at <= (this.chart?.over.clientWidth ?? 0);
+    this.mark.hidden = !visible;
+    if (visible) this.mark.style.transform = `translateX(${at}px)`;
+  }
+}

@@ -1,0 +1,70 @@
+import type { ThemeName } from '../shell/theme';
+
+// Colours that remain different for colour-blind readers, at least 3:1 against the background.
+
+// How lines and areas of one label look. Labels beyond the colours repeat them with kDashes.
+export interface LabelStyle {
+  color: string;
+  // Lengths of kDashes and gaps, px; empty: a full line.
+  dash: number[];
+}
+
+const kCategorical: Record<ThemeName, readonly string[]> = {
+  light: ['#26399c', '#ff261c', '#6a9126', '#36113b', '#d00267', '#8867ab', '#084936', '#474ce9'],
+  dark: ['#2f5ffa', '#53ef79', '#fff039', '#c0450d', '#c3ddff', '#a79c8e', '#929dff', '#71678f'],
+};
+
+const kDashes: readonly number[][] = [[], [6, 3], [2, 2]];
+
+// From the first to the last clip: Cividis, which is monotonic in lightness.
+const kSequential: Record<ThemeName, readonly [number, number, number][]> = {
+  light: [
+    [0, 34, 78],
+    [53, 69, 108],
+    [102, 105, 112],
+    [126, 124, 108],
+    [138, 128, 50],
+  ],
+  dark: [
+    [95, 110, 155],
+    [124, 123, 120],
+    [165, 156, 116],
+    [210, 193, 94],
+    [255, 234, 70],
+  ],
+};
+
+// The style of each label, by its place in the sorted list of labels.
+export function labelStyles(labels: Iterable<string>, theme: ThemeName): Map<string, LabelStyle> {
+  const colors = kCategorical[theme];
+  const names = [...new Set(labels)].sort();
+  return new Map(
+    names.map((name, i) => [
+      name,
+      {
+        color: colors[i % colors.length]!,
+        dash: kDashes[Math.floor(i / colors.length) % kDashes.length]!,
+      },
+    ]),
+  );
+}
+
+// The colour of the clip at `place` of `count`, `#rrggbb`.
+export function clipColor(place: number, count: number, theme: ThemeName): string {
+  const anchors = kSequential[theme];
+  const at = count > 1 ? (place / (count - 1)) * (anchors.length - 1) : 0;
+  const low = Math.min(Math.floor(at), anchors.length - 2);
+  const from = anchors[low]!;
+  const to = anchors[low + 1]!;
+  return hexColor(from.map((value, i) => value + (at - low) * (to[i]! - value)));
+}
+
+// Red, green and blue (0 to 1, sRGB) of `#rrggbb`.
+export function rgbOf(color: string): [number, number, number] {
+  const value = Number.parseInt(color.slice(1), 16);
+  return [(value >> 16) / 255, ((value >> 8) & 255) / 255, (value & 255) / 255];
+}
+
+function hexColor(rgb: number[]): string {
+  return `#${rgb.map((value) => Math.round(value).toString(16).padStart(2, '0')).join('')}`;
+}

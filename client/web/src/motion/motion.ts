@@ -1,0 +1,96 @@
+import type { Bone, Figure } from '../api/messages';
+
+// Points that move: markers or joints.
+export interface PointTrack {
+  readonly names: readonly string[];
+  readonly bones: readonly Bone[];
+  // frames x points x 3, m, z up; NaN: missing or not received yet.
+  readonly positions: Float32Array;
+}
+
+// Motion of a clip. Blocks arrive in order; `receivedFrames` grows until it is `frameCount`.
+export interface Motion {
+  readonly name: string;
+  readonly frameRateHz: number;
+  readonly frameCount: number;
+  readonly markers: PointTrack;
+  // Joints of the recorded skeleton; without names if there are none.
+  readonly joints: PointTrack;
+  // One byte a frame: bit 0 left foot, bit 1 right foot; empty if the marker set has no feet.
+  readonly contacts: Uint8Array;
+  receivedFrames: number;
+}
+
+// A motion of NaN, to be filled by `addBlock`.
+export function createMotion(
+  name: string,
+  figure: Figure,
+  frameRateHz: number,
+  frameCount: number,
+  hasContacts: boolean,
+  hasJoints: boolean,
+): Motion {
+  return {
+    name,
+    frameRateHz,
+    frameCount,
+    receivedFrames: 0,
+    markers: createTrack(figure.markerNames, figure.markerBones, frameCount),
+    joints: hasJoints
+      ? createTrack(figure.jointNames, figure.jointBones, frameCount)
+      : createTrack([], [], 0),
+    contacts: new Uint8Array(hasContacts ? frameCount : 0),
+  };
+}
+
+// Copies little-endian float32 into `target` at a frame. Bytes beyond the end are ignored.
+export function copyFrames(target: PointTrack, firstFrame: number, bytes: Uint8Array): void {
+  const offset = firstFrame * target.names.length * 3 * 4;
+  const all = new Uint8Array(
+    target.positions.buffer,
+    target.positions.byteOffset,
+    target.positions.byteLength,
+  );
+  if (offset < 0 || offset > all.length) return;
+  all.set(bytes.subarray(0, all.length - offset), offset);
+}
+
+// Bytes as float32; the bytes of a message can begin at any address, so they are copied.
+export function floatsOf(bytes: Uint8Array): Float32Array {
+  const count = Math.floor(bytes.length / 4);
+  const floats = new Float32Array(count);
+  new Uint8Array(floats.buffer).set(bytes.subarray(0, count * 4));
+  return floats;
+}
+
+// The frame that is shown at a time: the last one that has begun.
+export function frameAt(motion: Motion, seconds: number): number {
+  const frame = Math.floor(seconds * motion.frameRateHz + 1e-6);
+  return Math.min(Math.max(frame, 0), Math.max(0, motion.frameCount - 1));
+}
+
+export function durationOf(motion: Motion): number {
+  return motion.frameCount / motion.frameRateHz;
+}
+
+export function bytesOf(motion: Motion): number {
+  return (
+    motion.markers.positions.byteLength +
+    motion.joints.positions.byteLength +
+    motion.contacts.byteLength
+  );
+}
+
+// The positions of one frame, as a view of the track.
+export function frameOf(track: PointTrack, frame: number): Float32Array {
+  const size = track.names.length * 3;
+  return track.positions.subarray(frame * size, (frame + 1) * size);
+}
+
+function createTrack(
+  names: readonly string[],
+  bones: readonly Bone[],
+  frameCount: number,
+): PointTrack {
+  return { names, bones, positions: new Float32Array(frameCount * names.length * 3).fill(NaN) };
+}

@@ -1,0 +1,65 @@
+import type { Api } from '../api/api';
+import { copyFrames, createMotion, type Motion } from './motion';
+
+// Reads the motion of a clip. `onStart` gets it with the first block, `onBlock` follows each block.
+// Rejects if the stream ends before the last frame.
+export async function readMotion(
+  api: Api,
+  name: string,
+  signal: AbortSignal,
+  onStart: (motion: Motion) => void,
+  onBlock: (motion: Motion) => void,
+): Promise<Motion> {
+  let motion: Motion | undefined;
+  for await (const block of api.views.readClipMotion({ name, joints: true }, { signal })) {
+    if (!motion) {
+      if (!block.figure)
+        throw new Error('Expected the figure in the first message of the motion, got none.');
+      motion = createMotion(
+        name,
+        block.figure,
+        block.frameRateHz,
+        block.clipFrameCount,
+        block.contacts.length > 0,
+        block.jointPositions.length > 0,
+      );
+      onStart(motion);
+    }
+    copyFrames(motion.markers, block.firstFrame, block.markerPositions);
+    copyFrames(motion.joints, block.firstFrame, block.jointPositions);
+    if (block.firstFrame + block.contacts.length <= motion.contacts.length) {
+      motion.contacts.set(block.contacts, block.firstFrame);
+    }
+    motion.receivedFrames = Math.max(motion.receivedFrames, block.firstFrame + block.frameCount);
+    onBlock(motion);
+  }
+  if (!motion || motion.receivedFrames < motion.frameCount) {
+    throw new Error(
+      `Expected ${motion?.frameCount ?? 'some'} frames, got ${motion?.receivedFrames ?? 0}.`,
+    );
+  }
+  return motion;
+}
+
+// Reads frames spread over a clip, in one message, for a thumbnail.
+export async function readPoses(
+  api: Api,
+  name: string,
+  frameCount: number,
+  poseCount: number,
+  signal: AbortSignal,
+): Promise<Motion | undefined> {
+  const stride = Math.max(1, Math.floor(frameCount / poseCount));
+  let motion: Motion | undefined;
+  const firstFrame = Math.floor(stride / 2);
+  for await (const block of api.views.readClipMotion({ name, firstFrame, stride }, { signal })) {
+    if (!motion) {
+      if (!block.figure) return undefined;
+      motion = createMotion(name, block.figure, block.frameRateHz, block.frameCount, false, false);
+    }
+    const index = Math.round((block.firstFrame - firstFrame) / stride);
+    copyFrames(motion.markers, index, block.markerPositions);
+    motion.receivedFrames = index + block.frameCount;
+  }
+  return motion;
+}

@@ -1,0 +1,118 @@
+// Time in a motion while it plays: speed, loop, range and steps of frames.
+
+export interface PlaybackRange {
+  begin: number;
+  end: number;
+}
+
+export class PlaybackClock {
+  // Seconds from the start of the clip.
+  private seconds = 0;
+  private running = false;
+  private readonly listeners = new Set<(clock: PlaybackClock) => void>();
+  private loopRange: PlaybackRange | null = null;
+  speed = 1;
+  loop = true;
+
+  constructor(
+    private lengthSeconds: number,
+    private frameRateHz: number,
+  ) {}
+
+  get time(): number {
+    return this.seconds;
+  }
+
+  get duration(): number {
+    return this.lengthSeconds;
+  }
+
+  get playing(): boolean {
+    return this.running;
+  }
+
+  get frameRate(): number {
+    return this.frameRateHz;
+  }
+
+  // The frame at the present time.
+  get frame(): number {
+    const last = Math.max(0, Math.round(this.lengthSeconds * this.frameRateHz) - 1);
+    return Math.min(last, Math.floor(this.seconds * this.frameRateHz + 1e-6));
+  }
+
+  // The part that is repeated; null: all.
+  get range(): PlaybackRange | null {
+    return this.loopRange;
+  }
+
+  set range(range: PlaybackRange | null) {
+    this.loopRange = range && range.end > range.begin ? range : null;
+    this.tell();
+  }
+
+  // The length of another motion, and the time to begin with.
+  resize(lengthSeconds: number, frameRateHz: number, time: number): void {
+    this.lengthSeconds = lengthSeconds;
+    this.frameRateHz = frameRateHz;
+    this.seek(time);
+  }
+
+  // Calls back after each change. Returns the function that removes the listener.
+  onChange(listener: (clock: PlaybackClock) => void): () => void {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+
+  seek(seconds: number): void {
+    const lastFrame = Math.max(0, this.lengthSeconds - 1 / this.frameRateHz);
+    this.seconds = Math.min(Math.max(0, Number.isFinite(seconds) ? seconds : 0), lastFrame);
+    this.tell();
+  }
+
+  // Moves by frames, to the start of a frame, and stops.
+  step(frames: number): void {
+    this.running = false;
+    this.seek((this.frame + frames) / this.frameRateHz);
+  }
+
+  play(): void {
+    if (this.running || this.lengthSeconds <= 0) return;
+    const end = this.loopRange?.end ?? this.lengthSeconds;
+    if (this.seconds >= end - 1.5 / this.frameRateHz) this.seconds = this.loopRange?.begin ?? 0;
+    this.running = true;
+    this.tell();
+  }
+
+  pause(): void {
+    if (!this.running) return;
+    this.running = false;
+    this.tell();
+  }
+
+  toggle(): void {
+    if (this.running) this.pause();
+    else this.play();
+  }
+
+  // Moves by the time that has passed. At the end it begins again or stops.
+  advance(elapsedSeconds: number): void {
+    if (!this.running) return;
+    const begin = this.loopRange?.begin ?? 0;
+    const end = Math.min(this.loopRange?.end ?? this.lengthSeconds, this.lengthSeconds);
+    let next = this.seconds + elapsedSeconds * this.speed;
+    if (next >= end) {
+      if (this.loop) {
+        next = begin + ((next - begin) % Math.max(end - begin, 1 / this.frameRateHz));
+      } else {
+        next = Math.max(begin, end - 1 / this.frameRateHz);
+        this.running = false;
+      }
+    }
+    this.seek(next);
+  }
+
+  private tell(): void {
+    for (const listener of [...this.listeners]) listener(this);
+  }
+}

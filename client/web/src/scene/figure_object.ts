@@ -1,0 +1,196 @@
+import {
+  Color,
+  CylinderGeometry,
+  Group,
+  IcosahedronGeometry,
+  InstancedMesh,
+  Matrix4,
+  MeshLambertMaterial,
+  Quaternion,
+  Vector3,
+} from 'three';
+import { sideOf } from './body_side';
+import type { Scene } from './scene';
+
+export interface FigurePoints {
+  readonly names: readonly string[];
+  readonly bones: readonly { readonly fromPoint: number; readonly toPoint: number }[];
+}
+
+export interface FigureStyle {
+  // Radius of a point, m; default 0.022. 0: no points.
+  pointRadius?: number;
+  // Radius of a bone, m; default 0.009.
+  boneRadius?: number;
+  // 0 to 1; default 1.
+  opacity?: number;
+  // Name of a colour of the style sheet, such as --ghost, for everything or for each point; default:
+  // by side of the body.
+  color?: string | ((point: number) => string);
+}
+
+const kUp = new Vector3(0, 1, 0);
+
+// Points and bones in two draw calls. A missing point and its bones are not drawn.
+export class FigureObject {
+  private readonly group = new Group();
+  private readonly points: InstancedMesh<IcosahedronGeometry, MeshLambertMaterial>;
+  private readonly bones: InstancedMesh<CylinderGeometry, MeshLambertMaterial>;
+  private readonly matrix = new Matrix4();
+  private readonly from = new Vector3();
+  private readonly to = new Vector3();
+  private readonly turn = new Quaternion();
+  private readonly size = new Vector3();
+  private positions: Float32Array = new Float32Array(0);
+  private highlighted = -1;
+
+  constructor(
+    private readonly scene: Scene,
+    readonly figure: FigurePoints,
+    private readonly style: FigureStyle = {},
+  ) {
+    const opacity = style.opacity ?? 1;
+    const material = () =>
+      new MeshLambertMaterial({ transparent: opacity < 1, opacity, depthWrite: opacity >= 1 });
+    this.points = new InstancedMesh(
+      new IcosahedronGeometry(1, 1),
+      material(),
+      Math.max(1, figure.names.length),
+    );
+    this.bones = new InstancedMesh(
+      new CylinderGeometry(1, 1, 1, 6, 1, true),
+      material(),
+      Math.max(1, figure.bones.length),
+    );
+    for (const mesh of [this.points, this.bones]) {
+      mesh.frustumCulled = false;
+      mesh.count = 0;
+      this.group.add(mesh);
+    }
+    scene.root.add(this.group);
+    scene.onTheme(() => {
+      this.applyColors();
+    });
+  }
+
+  // Shows positions, points x 3, m.
+  update(positions: Float32Array): void {
+    this.positions = positions;
+    this.updatePoints();
+    this.updateBones();
+  }
+
+  set visible(visible: boolean) {
+    this.group.visible = visible;
+    this.scene.invalidate();
+  }
+
+  get visible(): boolean {
+    return this.group.visible;
+  }
+
+  // Index of the point next to a place on the canvas, at most `radius` pixels away; otherwise -1.
+  pointAt(x: number, y: number, radius = 14): number {
+    let best = -1;
+    let bestDistance = radius * radius;
+    for (let point = 0; point < this.figure.names.length; ++point) {
+      const at = this.scene.project(...this.positionOf(point));
+      if (!at) continue;
+      const distance = (at.x - x) ** 2 + (at.y - y) ** 2;
+      if (distance < bestDistance) {
+        best = point;
+        bestDistance = distance;
+      }
+    }
+    return best;
+  }
+
+  positionOf(point: number): [number, number, number] {
+    const at = this.positions.subarray(3 * point, 3 * point + 3);
+    return [at[0] ?? NaN, at[1] ?? NaN, at[2] ?? NaN];
+  }
+
+  // Draws one point larger, in the accent colour; -1: none.
+  highlight(point: number): void {
+    if (point === this.highlighted) return;
+    this.highlighted = point;
+    this.applyColors();
+    if (this.positions.length > 0) this.updatePoints();
+  }
+
+  dispose(): void {
+    this.scene.root.remove(this.group);
+    for (const mesh of [this.points, this.bones]) {
+      mesh.geometry.dispose();
+      mesh.material.dispose();
+      mesh.dispose();
+    }
+    this.scene.invalidate();
+  }
+
+  private updatePoints(): void {
+    const radius = this.style.pointRadius ?? 0.022;
+    const count =
+      radius > 0 ? Math.min(this.figure.names.length, Math.floor(this.positions.length / 3)) : 0;
+    this.points.count = count;
+    for (let point = 0; point < count; ++point) {
+      const [x, y, z] = this.positionOf(point);
+      const scale = Number.isFinite(x + y + z)
+        ? point === this.highlighted
+          ? 1.7 * radius
+          : radius
+        : 0;
+      this.matrix.makeScale(scale, scale, scale);
+      if (scale > 0) this.matrix.setPosition(x, y, z);
+      this.points.setMatrixAt(point, this.matrix);
+    }
+    this.points.instanceMatrix.needsUpdate = true;
+    this.scene.invalidate();
+  }
+
+  private updateBones(): void {
+    const radius = this.style.boneRadius ?? 0.009;
+    this.bones.count = this.figure.bones.length;
+    this.figure.bones.forEach((bone, index) => {
+      this.from.set(...this.positionOf(bone.fromPoint));
+      this.to.set(...this.positionOf(bone.toPoint)).sub(this.from);
+      const length = this.to.length();
+      if (Number.isFinite(length) && length > 0) {
+        this.turn.setFromUnitVectors(kUp, this.size.copy(this.to).divideScalar(length));
+        this.from.addScaledVector(this.to, 0.5);
+        this.matrix.compose(this.from, this.turn, this.size.set(radius, length, radius));
+      } else {
+        this.matrix.makeScale(0, 0, 0);
+      }
+      this.bones.setMatrixAt(index, this.matrix);
+    });
+    this.bones.instanceMatrix.needsUpdate = true;
+    this.scene.invalidate();
+  }
+
+  private applyColors(): void {
+    const theme = this.scene.theme;
+    const sides = {
+      left: theme.color('--left'),
+      right: theme.color('--right'),
+      middle: theme.color('--middle'),
+    };
+    const { color: chosen } = this.style;
+    const colorOf = (point: number): string => {
+      if (chosen === undefined) return sides[sideOf(this.figure.names[point] ?? '')];
+      return theme.color(typeof chosen === 'string' ? chosen : chosen(point));
+    };
+    const color = new Color();
+    this.figure.names.forEach((_, point) => {
+      const text = point === this.highlighted ? theme.color('--accent') : colorOf(point);
+      this.points.setColorAt(point, color.set(text));
+    });
+    this.figure.bones.forEach((bone, index) => {
+      this.bones.setColorAt(index, color.set(colorOf(bone.toPoint)));
+    });
+    for (const mesh of [this.points, this.bones]) {
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+    }
+    this.scene.invalidate();
+  }
+}

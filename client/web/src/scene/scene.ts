@@ -1,0 +1,173 @@
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  PerspectiveCamera,
+  Scene as ThreeScene,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
+import { Disposer } from '../dom/disposer';
+import { element } from '../dom/element';
+import type { ThemeSwitch } from '../shell/theme';
+import { OrbitCamera } from './orbit_camera';
+import { FrameStatistics } from './frame_statistics';
+
+const kMaxPixelRatio = 2;
+
+export interface SceneOptions {
+  theme: ThemeSwitch;
+  // What the picture shows, for screen readers.
+  label: string;
+}
+
+export interface ScreenPoint {
+  // Pixels of the style sheet from the left upper corner of the canvas.
+  x: number;
+  y: number;
+}
+
+// A picture in three dimensions: metres, z up. It renders only after `invalidate`, a move of the
+// camera, or while `animate` has a callback.
+export class Scene {
+  readonly root = new ThreeScene();
+  readonly camera = new PerspectiveCamera(40, 1, 0.05, 500);
+  readonly orbit: OrbitCamera;
+  readonly statistics = new FrameStatistics();
+  private readonly disposer = new Disposer();
+  private readonly animations = new Set<(seconds: number) => void>();
+  private request = 0;
+  private lastTime = 0;
+  private width = 1;
+  private height = 1;
+  private readonly scratch = new Vector3();
+
+  constructor(
+    host: HTMLElement,
+    readonly canvas: HTMLCanvasElement,
+    private readonly renderer: WebGLRenderer,
+    readonly theme: ThemeSwitch,
+  ) {
+    this.camera.up.set(0, 0, 1);
+    this.orbit = new OrbitCamera(this.camera, canvas, () => {
+      this.invalidate();
+    });
+    const light = new DirectionalLight(0xffffff, 1.6);
+    light.position.set(2, -3, 6);
+    this.root.add(new AmbientLight(0xffffff, 1.5), light);
+    const observer = new ResizeObserver(() => {
+      this.resize(host);
+    });
+    observer.observe(host);
+    this.disposer.add(() => {
+      observer.disconnect();
+    });
+    this.disposer.add(
+      theme.onChange(() => {
+        this.applyTheme();
+      }),
+    );
+    this.disposer.listen(canvas, 'webglcontextrestored', () => {
+      this.invalidate();
+    });
+    this.applyTheme();
+    this.resize(host);
+  }
+
+  // Renders before the next picture of the screen.
+  invalidate(): void {
+    if (this.request === 0 && !this.disposer.disposed) {
+      this.request = requestAnimationFrame((time) => {
+        this.render(time);
+      });
+    }
+  }
+
+  // Calls back before each picture, with the time since the last one in seconds, until the returned
+  // function is called.
+  animate(callback: (seconds: number) => void): () => void {
+    this.animations.add(callback);
+    this.lastTime = 0;
+    this.invalidate();
+    return () => this.animations.delete(callback);
+  }
+
+  // Where a point appears; undefined behind the camera.
+  project(x: number, y: number, z: number): ScreenPoint | undefined {
+    this.camera.updateMatrixWorld();
+    const point = this.scratch.set(x, y, z).project(this.camera);
+    if (point.z < -1 || point.z > 1 || !Number.isFinite(point.x)) return undefined;
+    return { x: ((point.x + 1) / 2) * this.width, y: ((1 - point.y) / 2) * this.height };
+  }
+
+  // Calls back when the theme has changed, and once immediately, until the scene is disposed.
+  onTheme(callback: () => void): void {
+    callback();
+    this.disposer.add(
+      this.theme.onChange(() => {
+        callback();
+        this.invalidate();
+      }),
+    );
+  }
+
+  // Releases the memory of the graphics processor. Objects in the scene are disposed by their owner.
+  dispose(): void {
+    this.disposer.dispose();
+    cancelAnimationFrame(this.request);
+    this.animations.clear();
+    this.orbit.dispose();
+    this.root.clear();
+    this.renderer.dispose();
+    this.renderer.getContext().getExtension('WEBGL_lose_context')?.loseContext();
+    this.canvas.remove();
+  }
+
+  private render(time: number): void {
+    this.request = 0;
+    const begin = performance.now();
+    const seconds = this.lastTime === 0 ? 0 : (time - this.lastTime) / 1000;
+    for (const callback of [...this.animations]) callback(seconds);
+    this.renderer.render(this.root, this.camera);
+    const running = this.animations.size > 0;
+    this.lastTime = running ? time : 0;
+    this.statistics.add(performance.now() - begin, seconds, this.renderer.info.render.calls);
+    if (running) this.invalidate();
+  }
+
+  private resize(host: HTMLElement): void {
+    this.width = Math.max(1, host.clientWidth);
+    this.height = Math.max(1, host.clientHeight);
+    this.camera.aspect = this.width / this.height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, kMaxPixelRatio));
+    this.renderer.setSize(this.width, this.height);
+    this.invalidate();
+  }
+
+  private applyTheme(): void {
+    this.root.background = new Color(this.theme.color('--scene'));
+    this.invalidate();
+  }
+}
+
+// A scene that fills its host; undefined, with a text in the host, if the browser has no WebGL.
+export function createScene(host: HTMLElement, options: SceneOptions): Scene | undefined {
+  const canvas = element('canvas', { tabindex: 0, role: 'img', 'aria-label': options.label });
+  const context = canvas.getContext('webgl2', {
+    antialias: devicePixelRatio < 2,
+    powerPreference: 'low-power',
+  });
+  if (!context) {
+    host.append(
+      element(
+        'p',
+        { class: 'hint no-webgl' },
+        'This browser has no WebGL, so there is no picture in three dimensions.',
+      ),
+    );
+    return undefined;
+  }
+  host.append(canvas);
+  return new Scene(host, canvas, new WebGLRenderer({ canvas, context }), options.theme);
+}

@@ -1,0 +1,92 @@
+import { mayActAs, type Session } from '../api/session';
+import { button, element, replaceChildren } from '../dom/element';
+import { hrefOf } from './place';
+import { kRoutes } from './routes';
+import type { ThemeSwitch } from './theme';
+
+// What the header shows.
+export interface HeaderState {
+  // Null without a login.
+  session: Session | null;
+  view: string;
+  database: string;
+  databases: readonly string[];
+}
+
+export interface HeaderEvents {
+  changeDatabase(id: string): void;
+  leave(): void;
+}
+
+// Navigation between views and databases, theme, and logging out.
+export class Header {
+  readonly node: HTMLElement;
+  private readonly navigation = element('nav', { 'aria-label': 'Views' });
+  private readonly database = element('select', { 'aria-label': 'Database' });
+  private readonly tools = element('div', { class: 'tools' });
+
+  constructor(
+    private readonly theme: ThemeSwitch,
+    private readonly events: HeaderEvents,
+  ) {
+    this.node = element(
+      'header',
+      { class: 'shell' },
+      element('a', { class: 'brand', href: '#/' }, 'motiondb'),
+      this.database,
+      this.navigation,
+      this.tools,
+    );
+    this.database.addEventListener('change', () => {
+      events.changeDatabase(this.database.value);
+    });
+  }
+
+  draw(state: HeaderState): void {
+    const { session, database, databases } = state;
+    const ids =
+      database === '' || databases.includes(database) ? databases : [database, ...databases];
+    replaceChildren(
+      this.database,
+      ...ids.map((id) => element('option', { value: id, selected: id === database }, id)),
+    );
+    this.database.hidden = session === null || ids.length === 0;
+    const routes = kRoutes.filter(
+      (route) => session !== null && route.title !== '' && mayActAs(session, route.role),
+    );
+    replaceChildren(
+      this.navigation,
+      ...routes.map((route) =>
+        element(
+          'a',
+          {
+            href: hrefOf(
+              route.needsDatabase ? { view: route.view, database } : { view: route.view },
+            ),
+            'aria-current': route.view === state.view ? 'page' : null,
+          },
+          route.title,
+        ),
+      ),
+    );
+    replaceChildren(
+      this.tools,
+      session !== null && element('span', { class: 'hint' }, session.principal),
+      this.themeButton(),
+      session?.authenticationRequired === true &&
+        button('Log out', () => {
+          this.events.leave();
+        }),
+    );
+  }
+
+  private themeButton(): HTMLButtonElement {
+    const other = () => (this.theme.name === 'dark' ? 'Light' : 'Dark');
+    const node = button(other(), () => {
+      this.theme.toggle();
+      node.textContent = other();
+    });
+    node.title = 'Light or dark theme';
+    return node;
+  }
+}

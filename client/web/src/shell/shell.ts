@@ -1,0 +1,239 @@
+import { createApi, type Api } from '../api/api';
+import { Connection } from '../api/connection';
+import { isDatabaseId, lastPart } from '../api/resource_names';
+import { logOut, mayActAs, readSession, type Session } from '../api/session';
+import { button, element } from '../dom/element';
+import { Notice } from '../dom/notice';
+import { MotionCache } from '../motion/motion_cache';
+import { Header } from './header';
+import { openLogin } from './login';
+import { hrefOf, parsePlace, type ParsedPlace } from './place';
+import { kRoutes, type Route } from './routes';
+import { ThemeSwitch } from './theme';
+import type { View, ViewContext } from './view';
+
+const kMotionCacheBytes = 96 * 1024 * 1024;
+
+// The frame around the views: navigation, login, theme, and the state of the connection.
+export class Shell {
+  private readonly theme = new ThemeSwitch();
+  private readonly connection = new Connection(() => readSession());
+  private readonly api: Api = createApi(location.origin, this.connection);
+  private readonly motions = new MotionCache(this.api, kMotionCacheBytes);
+  private readonly header = new Header(this.theme, {
+    changeDatabase: (id) => {
+      this.changeDatabase(id);
+    },
+    leave: () => void this.leave(),
+  });
+  private readonly banner = new Notice();
+  private readonly host = element('main', { id: 'view', tabindex: -1 });
+  private readonly speech = element('div', { class: 'visually-hidden', 'aria-live': 'polite' });
+  private session: Session = {
+    authenticationRequired: false,
+    role: null,
+    database: '',
+    principal: '',
+  };
+  private databases: string[] = [];
+  private place: ParsedPlace = parsePlace(location.hash);
+  private view: View | undefined;
+  private opening = 0;
+
+  constructor(root: HTMLElement) {
+    const skip = button(
+      'Skip to content',
+      () => {
+        this.host.focus();
+      },
+      { class: 'skip' },
+    );
+    root.append(skip, this.header.node, this.banner.node, this.host, this.speech);
+    this.connection.onChange((state, previous) => {
+      if (state === 'lost') this.banner.message('Connection lost. Trying again every second.');
+      else this.banner.clear();
+      if (state === 'connected' && previous === 'lost') this.announce('Connection restored.');
+      if (state === 'login') this.showLogin();
+      else if (state === 'connected' && previous === 'lost') {
+        if (this.view) this.databasesChanged();
+        else void this.start();
+      }
+    });
+    addEventListener('hashchange', () => void this.follow(parsePlace(location.hash)));
+  }
+
+  // Reads the session, then opens the view of the URL.
+  async start(): Promise<void> {
+    try {
+      this.session = await readSession();
+      this.connection.succeeded();
+    } catch (error) {
+      this.connection.failed(error);
+      this.banner.error(error, [button('Try again', () => void this.start())]);
+      return;
+    }
+    this.banner.clear();
+    if (this.session.role === null) {
+      this.showLogin();
+      return;
+    }
+    await this.readDatabases();
+    await this.follow(parsePlace(location.hash));
+  }
+
+  private async readDatabases(): Promise<void> {
+    try {
+      const response = await this.api.databases.listDatabases({ pageSize: 1000 });
+      this.databases = response.databases.map((database) => lastPart(database.name));
+    } catch (error) {
+      this.databases = this.session.database === '' ? [] : [this.session.database];
+      this.banner.error(error);
+    }
+  }
+
+  private databasesChanged(): void {
+    void this.readDatabases().then(() => {
+      this.drawHeader();
+    });
+  }
+
+  private showLogin(): void {
+    this.closeView();
+    this.drawHeader();
+    openLogin(this.host, () => void this.start());
+  }
+
+  private async follow(place: ParsedPlace): Promise<void> {
+    const route = kRoutes.find((candidate) => candidate.view === place.view);
+    if (!route) {
+      const database = this.databases[0];
+      if (place.view === '') {
+        if (database !== undefined) {
+          location.replace(hrefOf({ view: 'clips', database }));
+          return;
+        }
+        location.replace(hrefOf({ view: 'admin' }));
+        return;
+      }
+    }
+    const samePage =
+      this.view !== undefined &&
+      route?.view === this.place.view &&
+      place.database === this.place.database &&
+      place.path.join('/') === this.place.path.join('/') &&
+      place.query.toString() === this.place.query.toString();
+    this.place = place;
+    if (samePage) return;
+    this.closeView();
+    this.drawHeader();
+    const notice = new Notice();
+    this.host.append(notice.node);
+    if (!route) {
+      notice.error(new Error(`Expected a view of this page, got '${place.view}'.`));
+      return;
+    }
+    if (route.needsDatabase && place.database === '') {
+      this.openFirstDatabase(route, notice);
+      return;
+    }
+    if (place.database !== '' && !isDatabaseId(place.database)) {
+      notice.error(new Error(`Expected the id of a database, got '${place.database}'.`));
+      return;
+    }
+    if (!mayActAs(this.session, route.role)) {
+      notice.error(new Error(`This view needs the role ${route.role}.`));
+      return;
+    }
+    await this.openView(route, place, notice);
+  }
+
+  private openFirstDatabase(route: Route, notice: Notice): void {
+    const database = this.databases[0];
+    if (database === undefined)
+      notice.message('The store has no database. Create one with: motiondb create NAME');
+    else location.replace(hrefOf({ view: route.view, database }));
+  }
+
+  private async openView(route: Route, place: ParsedPlace, notice: Notice): Promise<void> {
+    const turn = ++this.opening;
+    try {
+      const module = await route.load();
+      if (turn !== this.opening) return;
+      document.title = `${route.title === '' ? (place.path[0] ?? '') : route.title} - motiondb`;
+      this.view = module.open(this.host, this.contextOf(), place);
+    } catch (error) {
+      if (turn === this.opening)
+        notice.error(error, [
+          button('Try again', () => {
+            location.reload();
+          }),
+        ]);
+    }
+  }
+
+  private contextOf(): ViewContext {
+    return {
+      api: this.api,
+      session: this.session,
+      connection: this.connection,
+      theme: this.theme,
+      motions: this.motions,
+      navigate: (place) => {
+        location.assign(hrefOf(place));
+      },
+      setQuery: (values) => {
+        this.setQuery(values);
+      },
+      announce: (text) => {
+        this.announce(text);
+      },
+      setTitle: (text) => {
+        document.title = `${text} - motiondb`;
+      },
+    };
+  }
+
+  private setQuery(values: Record<string, string | number | null>): void {
+    for (const [name, value] of Object.entries(values)) {
+      if (value === null || value === '') this.place.query.delete(name);
+      else this.place.query.set(name, String(value));
+    }
+    history.replaceState(null, '', hrefOf(this.place));
+  }
+
+  private changeDatabase(database: string): void {
+    const route = kRoutes.find((candidate) => candidate.view === this.place.view);
+    const view = route?.needsDatabase === true && route.title !== '' ? route.view : 'clips';
+    location.assign(hrefOf({ view, database }));
+  }
+
+  private closeView(): void {
+    ++this.opening;
+    this.view?.close();
+    this.view = undefined;
+    this.host.replaceChildren();
+  }
+
+  private announce(text: string): void {
+    this.speech.textContent = text;
+  }
+
+  private drawHeader(): void {
+    const loggedIn = this.session.role !== null && this.connection.state !== 'login';
+    this.header.draw({
+      session: loggedIn ? this.session : null,
+      view: this.place.view,
+      database: this.place.database !== '' ? this.place.database : (this.databases[0] ?? ''),
+      databases: this.databases,
+    });
+  }
+
+  private async leave(): Promise<void> {
+    try {
+      await logOut();
+      await this.start();
+    } catch (error) {
+      this.banner.error(error);
+    }
+  }
+}

@@ -1,0 +1,181 @@
+import { element } from '../dom/element';
+import { frameAt, frameOf, type Motion } from '../motion/motion';
+import { ContactObject } from '../scene/contact_object';
+import { FigureObject } from '../scene/figure_object';
+import { extentOf, FloorObject } from '../scene/floor_object';
+import { createScene, type Scene } from '../scene/scene';
+import { TrailObject } from '../scene/trail_object';
+import type { ThemeSwitch } from '../shell/theme';
+
+// What a stage draws besides the floor.
+export type StagePart = 'markers' | 'joints' | 'contacts' | 'trails' | 'follow';
+export const kStageParts: readonly StagePart[] = [
+  'markers',
+  'joints',
+  'contacts',
+  'trails',
+  'follow',
+];
+
+const kTrailSeconds = 1;
+
+// The picture of a motion at a time: figure, recorded skeleton, contacts and trails on a floor.
+export class MotionStage {
+  readonly node = element('div', { class: 'scene' });
+  readonly scene: Scene | undefined;
+  private readonly tip = element('div', { class: 'overlay', hidden: true });
+  private readonly shown = new Set<StagePart>();
+  private motion: Motion | undefined;
+  private floor: FloorObject | undefined;
+  private markers: FigureObject | undefined;
+  private joints: FigureObject | undefined;
+  private contacts: ContactObject | undefined;
+  private trails: TrailObject | undefined;
+  private trailPoints: readonly number[] = [];
+  private time = 0;
+  private cameraPlaced = false;
+
+  constructor(theme: ThemeSwitch, label: string, parts: readonly StagePart[]) {
+    for (const part of parts) this.shown.add(part);
+    this.scene = createScene(this.node, { theme, label });
+    this.node.append(this.tip);
+    this.scene?.canvas.addEventListener('pointermove', (event) => {
+      this.point(event.offsetX, event.offsetY);
+    });
+    this.scene?.canvas.addEventListener('pointerleave', () => {
+      this.point(-1000, -1000);
+    });
+  }
+
+  // Shows another motion. Its blocks can still arrive; call `show` again then.
+  setMotion(motion: Motion): void {
+    this.clear();
+    this.motion = motion;
+    const { scene } = this;
+    if (!scene) return;
+    this.floor = new FloorObject(scene);
+    this.markers = new FigureObject(scene, motion.markers);
+    if (motion.joints.names.length > 0) {
+      this.joints = new FigureObject(scene, motion.joints, {
+        pointRadius: 0.013,
+        color: '--ghost',
+      });
+    }
+    if (motion.contacts.length > 0) this.contacts = new ContactObject(scene, motion.markers.names);
+    this.trails = new TrailObject(scene, motion.markers);
+    this.setTrailPoints(
+      this.trailPoints.length > 0 ? this.trailPoints : endPoints(motion.markers.names),
+    );
+    this.applyParts();
+    this.show(this.time);
+  }
+
+  // Call when all frames have arrived: the floor covers the whole path.
+  complete(): void {
+    if (this.motion) this.floor?.cover(extentOf(this.motion.markers.positions));
+  }
+
+  has(part: StagePart): boolean {
+    return this.shown.has(part);
+  }
+
+  setPart(part: StagePart, shown: boolean): void {
+    if (shown) this.shown.add(part);
+    else this.shown.delete(part);
+    this.applyParts();
+    this.show(this.time);
+  }
+
+  setTrailPoints(points: readonly number[]): void {
+    this.trailPoints = points;
+    this.trails?.show(this.shown.has('trails') ? points : []);
+  }
+
+  highlight(marker: number): void {
+    this.markers?.highlight(marker);
+  }
+
+  // Keeps a camera that was restored from a URL.
+  keepCamera(): void {
+    this.cameraPlaced = true;
+  }
+
+  // Shows the frame at a time, in seconds.
+  show(time: number): void {
+    this.time = time;
+    const { motion } = this;
+    if (!motion || motion.frameCount === 0) return;
+    const frame = frameAt(motion, time);
+    const positions = frameOf(motion.markers, frame);
+    this.markers?.update(positions);
+    this.joints?.update(frameOf(motion.joints, frame));
+    this.contacts?.update(motion.contacts[frame] ?? 0, positions);
+    if (this.shown.has('trails'))
+      this.trails?.update(frame, Math.round(kTrailSeconds * motion.frameRateHz));
+    this.moveCamera(positions);
+  }
+
+  dispose(): void {
+    this.clear();
+    this.scene?.dispose();
+    this.node.remove();
+  }
+
+  private moveCamera(positions: Float32Array): void {
+    if (!this.scene) return;
+    const center = centerOf(positions);
+    if (!center) return;
+    if (!this.cameraPlaced) {
+      this.cameraPlaced = true;
+      const [x, y] = center;
+      this.scene.orbit.place([x + 2.6, y - 2.9, 1.7], [x, y, 0.9]);
+    } else if (this.shown.has('follow')) {
+      this.scene.orbit.follow(center[0], center[1], this.scene.orbit.target.z);
+    }
+  }
+
+  private applyParts(): void {
+    if (this.markers) this.markers.visible = this.shown.has('markers');
+    if (this.joints) this.joints.visible = this.shown.has('joints');
+    if (this.contacts) this.contacts.visible = this.shown.has('contacts');
+    this.trails?.show(this.shown.has('trails') ? this.trailPoints : []);
+  }
+
+  // Names the marker or joint under the pointer, with its position.
+  private point(x: number, y: number): void {
+    const figure = this.shown.has('markers') ? this.markers : this.joints;
+    const point = figure?.pointAt(x, y) ?? -1;
+    const name = figure?.figure.names[point];
+    this.tip.hidden = name === undefined;
+    if (!figure || name === undefined) return;
+    const at = figure.positionOf(point).map((value) => value.toFixed(3));
+    this.tip.textContent = `${name}  x ${at[0] ?? ''}  y ${at[1] ?? ''}  z ${at[2] ?? ''} m`;
+  }
+
+  private clear(): void {
+    for (const part of [this.floor, this.markers, this.joints, this.contacts, this.trails])
+      part?.dispose();
+    this.floor = this.markers = this.joints = this.contacts = this.trails = undefined;
+    this.motion = undefined;
+  }
+}
+
+// Hands and feet.
+export function endPoints(names: readonly string[]): number[] {
+  return names.flatMap((name, point) => (/hand|wrist|toe|ankle/i.test(name) ? [point] : []));
+}
+
+// Mean x and y of a frame; undefined if all points are missing.
+export function centerOf(positions: Float32Array): [number, number] | undefined {
+  let x = 0;
+  let y = 0;
+  let count = 0;
+  for (let index = 0; index + 2 < positions.length; index += 3) {
+    const px = positions[index] ?? NaN;
+    if (Number.isNaN(px)) continue;
+    x += px;
+    y += positions[index + 1] ?? 0;
+    ++count;
+  }
+  return count === 0 ? undefined : [x / count, y / count];
+}

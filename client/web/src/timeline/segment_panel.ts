@@ -1,0 +1,202 @@
+import { Code } from '@connectrpc/connect';
+import { hasCode } from '../api/errors';
+import { SegmentSource, type Operation } from '../api/messages';
+import { button, element, labelled, replaceChildren } from '../dom/element';
+import { Notice } from '../dom/notice';
+import type { PlaybackClock } from '../player/playback_clock';
+import { freeRange, snapToFrame, type TimeRange } from './segment_edit';
+import { SegmentStore, type StoredSegment } from './segment_store';
+import { Timeline } from './timeline';
+import type { Api } from '../api/api';
+
+export interface SegmentPanelOptions {
+  api: Api;
+  clip: string;
+  clock: PlaybackClock;
+  editable: boolean;
+  signal: AbortSignal;
+  // A change has started this operation of the model.
+  operation(operation: Operation): void;
+}
+
+// The timeline of a clip and the form of the selected segment.
+export class SegmentPanel {
+  readonly node: HTMLElement;
+  readonly timeline: Timeline;
+  private readonly store: SegmentStore;
+  private readonly form = element('div', { class: 'segment-form row' });
+  private readonly notice = new Notice();
+  private selected = '';
+
+  constructor(private readonly options: SegmentPanelOptions) {
+    const { clock } = options;
+    this.timeline = new Timeline(clock.duration, clock.frameRate, options.editable, {
+      seek: (seconds) => {
+        clock.seek(seconds);
+      },
+      select: (segment) => {
+        this.select(segment?.name ?? '');
+      },
+      move: (segment, range) => {
+        this.run(() => this.store.update(segment, range));
+      },
+    });
+    this.store = new SegmentStore(
+      options.api,
+      options.clip,
+      clock.duration,
+      options.signal,
+      (operation) => {
+        this.timeline.setSegments(this.store.all);
+        if (operation) options.operation(operation);
+        this.drawForm();
+      },
+    );
+    const zoom = element('input', { type: 'range', min: 1, max: 20, step: 0.5, value: 1 });
+    zoom.addEventListener('input', () => {
+      this.timeline.setZoom(Number(zoom.value));
+    });
+    this.node = element(
+      'section',
+      { class: 'panel stack', 'aria-label': 'Segments' },
+      element(
+        'div',
+        { class: 'row' },
+        element('h2', {}, 'Segments'),
+        labelled('Zoom', zoom, { class: 'field inline' }),
+        options.editable &&
+          button('Undo last edit', () => {
+            this.run(async () => {
+              if (!(await this.store.undo())) this.notice.message('The clip has no edits.');
+            });
+          }),
+      ),
+      this.timeline.node,
+      this.form,
+      this.notice.node,
+    );
+    this.run(() => this.store.reload());
+  }
+
+  private select(name: string): void {
+    this.selected = name;
+    this.timeline.select(name);
+    const segment = this.store.find(name);
+    this.options.clock.range = segment ? { begin: segment.start, end: segment.end } : null;
+    this.drawForm();
+  }
+
+  private drawForm(): void {
+    const segment = this.store.find(this.selected);
+    if (!this.options.editable) {
+      replaceChildren(
+        this.form,
+        segment && element('p', { class: 'hint' }, this.describe(segment)),
+      );
+      return;
+    }
+    replaceChildren(this.form, ...(segment ? this.editFields(segment) : this.createFields()));
+  }
+
+  private describe(segment: StoredSegment): string {
+    const confidence =
+      segment.confidence < 1 ? `, confidence ${segment.confidence.toFixed(2)}` : '';
+    const author = segment.author === '' ? '' : `, changed by ${segment.author}`;
+    return `${segment.track}: ${segment.label}${confidence}${author}`;
+  }
+
+  private editFields(segment: StoredSegment): HTMLElement[] {
+    const label = element('input', { value: segment.label, maxlength: 255, required: true });
+    const start = timeInput(segment.start);
+    const end = timeInput(segment.end);
+    const save = () => {
+      const range = this.rangeOf(start, end);
+      const change: Partial<TimeRange> & { label?: string } = {};
+      if (label.value !== segment.label) change.label = label.value;
+      if (Math.abs(range.start - segment.start) > 5e-4) change.start = range.start;
+      if (Math.abs(range.end - segment.end) > 5e-4) change.end = range.end;
+      if (Object.keys(change).length > 0) this.run(() => this.store.update(segment, change));
+    };
+    for (const input of [label, start, end]) {
+      input.addEventListener('keydown', (event) => {
+        if (event.key === 'Enter') save();
+      });
+    }
+    return [
+      labelled('Label', label),
+      labelled('Start, s', start),
+      labelled('End, s', end),
+      button('Save', save, { class: 'primary' }),
+      button('Delete', () => {
+        this.run(() => this.store.remove(segment));
+      }),
+      button('New segment', () => {
+        this.select('');
+      }),
+      element('p', { class: 'hint' }, this.describe(segment)),
+    ];
+  }
+
+  private createFields(): HTMLElement[] {
+    const track = element('input', { value: 'action', maxlength: 63, pattern: '[a-z0-9_\\-]+' });
+    const label = element('input', { maxlength: 255 });
+    const create = () => {
+      this.run(async () => {
+        const name = track.value.trim() === '' ? 'action' : track.value.trim();
+        const { clock } = this.options;
+        const at = snapToFrame(clock.time, clock.frameRate);
+        const range = freeRange(name, at, this.coveringLeft(name), clock.duration);
+        if (!range)
+          throw new Error(`Track ${name} has a segment here. Move to a free time, or shorten it.`);
+        const segment = await this.store.add(name, label.value, { start: at, end: range.end });
+        this.select(segment.name);
+      });
+    };
+    label.addEventListener('keydown', (event) => {
+      if (event.key === 'Enter') create();
+    });
+    return [
+      labelled('Track', track),
+      labelled('Label', label),
+      button('Add segment from here', create),
+    ];
+  }
+
+  // The segments, without one that an import made for the whole clip: the server replaces it.
+  private coveringLeft(track: string): StoredSegment[] {
+    const { duration } = this.options.clock;
+    return this.store.all.filter(
+      (segment) =>
+        !(
+          track === 'action' &&
+          segment.source === SegmentSource.IMPORT &&
+          segment.start === 0 &&
+          segment.end >= duration - 0.02
+        ),
+    );
+  }
+
+  private rangeOf(start: HTMLInputElement, end: HTMLInputElement): TimeRange {
+    const { frameRate } = this.options.clock;
+    return {
+      start: snapToFrame(Number(start.value), frameRate),
+      end: snapToFrame(Number(end.value), frameRate),
+    };
+  }
+
+  // Runs a change; an error appears here. After a conflict the user can load the stored version.
+  private run(change: () => Promise<unknown>): void {
+    this.notice.clear();
+    change().catch((error: unknown) => {
+      this.timeline.setSegments(this.store.all);
+      const reload = button('Load the stored segments', () => {
+        this.run(() => this.store.reload());
+      });
+      this.notice.error(error, hasCode(error, Code.Aborted, Code.NotFound) ? [reload] : []);
+    });
+  }
+}
+
+function timeInput(seconds: number): HTMLInputElement {
+  return element('input', { type: 'number', min: 0, step: 'any', value: seconds.toFixed(3) });
+}

@@ -1,0 +1,142 @@
+import { create } from '@bufbuild/protobuf';
+import { FieldMaskSchema } from '@bufbuild/protobuf/wkt';
+import type { Api } from '../api/api';
+import { SegmentSource, type Operation, type Segment } from '../api/messages';
+import type { TimedSegment, TimeRange } from './segment_edit';
+
+// A segment as the timeline shows it.
+export interface StoredSegment extends TimedSegment {
+  readonly etag: string;
+  readonly source: SegmentSource;
+  readonly confidence: number;
+  readonly author: string;
+}
+
+// The segments of one clip on the server. Each change sends the etag of the segment, so that a
+// change of somebody else in between is an ABORTED error and not lost.
+export class SegmentStore {
+  private segments: StoredSegment[] = [];
+
+  constructor(
+    private readonly api: Api,
+    private readonly clip: string,
+    private readonly duration: number,
+    private readonly signal: AbortSignal,
+    private readonly changed: (operation: Operation | undefined) => void,
+  ) {}
+
+  get all(): readonly StoredSegment[] {
+    return this.segments;
+  }
+
+  find(name: string): StoredSegment | undefined {
+    return this.segments.find((segment) => segment.name === name);
+  }
+
+  async reload(): Promise<void> {
+    const segments: StoredSegment[] = [];
+    let pageToken = '';
+    do {
+      const page = await this.api.segments.listSegments(
+        { parent: this.clip, pageSize: 1000, pageToken },
+        { signal: this.signal },
+      );
+      segments.push(...page.segments.map((segment) => this.convert(segment)));
+      pageToken = page.nextPageToken;
+    } while (pageToken !== '');
+    this.segments = segments;
+    this.changed(undefined);
+  }
+
+  async add(track: string, label: string, range: TimeRange): Promise<StoredSegment> {
+    const response = await this.api.segments.createSegment(
+      {
+        parent: this.clip,
+        segment: {
+          track,
+          label,
+          startSeconds: range.start,
+          endSeconds: range.end,
+          source: SegmentSource.PERSON,
+        },
+      },
+      { signal: this.signal },
+    );
+    // The segment of the ingest that covers the clip gives way, so the list can have one less.
+    await this.reload();
+    this.changed(response.operation);
+    const { segment } = response;
+    if (!segment) throw new Error('Expected the new segment in the answer, got none.');
+    return this.convert(segment);
+  }
+
+  async update(
+    segment: StoredSegment,
+    change: Partial<TimeRange> & { label?: string },
+  ): Promise<void> {
+    const paths = [];
+    if (change.label !== undefined) paths.push('label');
+    if (change.start !== undefined) paths.push('start_seconds');
+    if (change.end !== undefined) paths.push('end_seconds');
+    if (segment.source !== SegmentSource.PERSON) paths.push('source');
+    const response = await this.api.segments.updateSegment(
+      {
+        segment: {
+          name: segment.name,
+          etag: segment.etag,
+          label: change.label ?? segment.label,
+          startSeconds: change.start ?? segment.start,
+          endSeconds: change.end ?? segment.end,
+          source: SegmentSource.PERSON,
+        },
+        updateMask: create(FieldMaskSchema, { paths }),
+      },
+      { signal: this.signal },
+    );
+    const stored = response.segment;
+    if (stored) {
+      this.segments = this.segments.map((old) =>
+        old.name === stored.name ? this.convert(stored) : old,
+      );
+    }
+    this.changed(response.operation);
+  }
+
+  async remove(segment: StoredSegment): Promise<void> {
+    const response = await this.api.segments.deleteSegment(
+      { name: segment.name, etag: segment.etag },
+      { signal: this.signal },
+    );
+    this.segments = this.segments.filter((old) => old.name !== segment.name);
+    this.changed(response.operation);
+  }
+
+  // Undoes the last edit of the clip. False if there is none.
+  async undo(): Promise<boolean> {
+    const parent = this.clip.split('/').slice(0, 2).join('/');
+    const edits = await this.api.edits.listEdits(
+      { parent, clip: this.clip, pageSize: 1 },
+      { signal: this.signal },
+    );
+    const edit = edits.edits[0];
+    if (!edit) return false;
+    const response = await this.api.edits.undoEdit({ name: edit.name }, { signal: this.signal });
+    await this.reload();
+    this.changed(response.operation);
+    return true;
+  }
+
+  private convert(segment: Segment): StoredSegment {
+    return {
+      name: segment.name,
+      track: segment.track === '' ? 'action' : segment.track,
+      label: segment.label,
+      start: segment.startSeconds,
+      end: segment.endSeconds ?? this.duration,
+      etag: segment.etag,
+      source: segment.source,
+      confidence: segment.confidence ?? 1,
+      author: segment.author,
+    };
+  }
+}

@@ -1,0 +1,58 @@
+import { expect, test, vi } from 'vitest';
+import { SegmentSource } from '../api/messages';
+import type { StoredSegment } from './segment_store';
+import { Timeline } from './timeline';
+
+const kHostile = '<img src=x onerror="alert(1)"><script>alert(2)</script>';
+
+function segment(label: string): StoredSegment {
+  return {
+    name: 'databases/d/clips/c/segments/s',
+    track: 'action',
+    label,
+    start: 1,
+    end: 2,
+    etag: 'e',
+    source: SegmentSource.PERSON,
+    confidence: 1,
+    author: '',
+  };
+}
+
+function openTimeline() {
+  const events = { seek: vi.fn(), select: vi.fn(), move: vi.fn() };
+  const timeline = new Timeline(10, 60, true, events);
+  document.body.replaceChildren(timeline.node);
+  return { timeline, events };
+}
+
+test('a label is text, never HTML', () => {
+  const { timeline } = openTimeline();
+  timeline.setSegments([segment(kHostile)]);
+  expect(timeline.node.querySelector('img, script')).toBeNull();
+  expect(timeline.node.textContent).toContain(kHostile);
+});
+
+test('arrow keys move the edge of the selected segment by a frame', () => {
+  const { timeline, events } = openTimeline();
+  const stored = segment('walk');
+  timeline.setSegments([stored]);
+  timeline.select(stored.name);
+  const edge = timeline.node.querySelector('.edge.end');
+  edge?.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', bubbles: true }));
+  expect(events.move).toHaveBeenCalledOnce();
+  const [, range] = events.move.mock.calls[0] as [StoredSegment, { start: number; end: number }];
+  expect(range.start).toBe(1);
+  expect(range.end).toBeCloseTo(2 + 1 / 60, 9);
+});
+
+test('a click selects a segment, a second one deselects it', () => {
+  const { timeline, events } = openTimeline();
+  const stored = segment('walk');
+  timeline.setSegments([stored]);
+  timeline.node.querySelector<HTMLElement>('.segment-body')?.click();
+  expect(events.select).toHaveBeenLastCalledWith(stored);
+  timeline.select(stored.name);
+  timeline.node.querySelector<HTMLElement>('.segment-body')?.click();
+  expect(events.select).toHaveBeenLastCalledWith(undefined);
+});

@@ -1,0 +1,134 @@
+import type { GetServerStatusResponse } from '../../api/messages';
+import { lastPart } from '../../api/resource_names';
+import { LineChart, type ChartLine } from '../../chart/line_chart';
+import type { Disposer } from '../../dom/disposer';
+import { element, replaceChildren } from '../../dom/element';
+import { bytes, count, percent, time } from '../../dom/format';
+import { Notice } from '../../dom/notice';
+import { poll } from '../../dom/poller';
+import { tableOf } from '../../dom/table';
+import { hrefOf } from '../../shell/place';
+import type { ViewContext } from '../../shell/view';
+import { StatusHistory } from './status_history';
+
+const kPollMilliseconds = 2000;
+
+// Status of the server: facts, charts of the last minutes, and databases.
+export class StatusPanel {
+  readonly node: HTMLElement;
+  private readonly notice = new Notice();
+  private readonly facts = element('dl', { class: 'details' });
+  private readonly databases = element('div');
+  private readonly history = new StatusHistory();
+  private readonly charts: { chart: LineChart; lines: () => ChartLine[] }[];
+
+  constructor(
+    private readonly context: ViewContext,
+    private readonly disposer: Disposer,
+  ) {
+    const chart = (label: string, unit: string, lines: () => ChartLine[]) => ({
+      chart: new LineChart({ theme: context.theme, label, unit, times: true, height: 150 }),
+      lines,
+    });
+    const { history } = this;
+    this.charts = [
+      chart('Calls per second', 'calls/s', () => [
+        { name: 'calls', color: '--left', values: history.callsPerSecond },
+        { name: 'server errors', color: '--error', values: history.failuresPerSecond },
+      ]),
+      chart('Memory of the server', 'MiB', () => [
+        { name: 'memory', color: '--trail', values: history.memoryMib },
+      ]),
+      chart('Processor cores in use', 'cores', () => [
+        { name: 'cores', color: '--right', values: history.cpu },
+      ]),
+      chart('Open calls', 'calls', () => [
+        { name: 'open', color: '--ghost', values: history.openCalls },
+      ]),
+    ];
+    this.node = element(
+      'section',
+      { class: 'panel stack', 'aria-label': 'Status' },
+      element('h2', {}, 'Status'),
+      this.notice.node,
+      this.facts,
+      element('div', { class: 'charts' }, ...this.charts.map(({ chart: each }) => each.node)),
+      this.databases,
+    );
+    disposer.add(() => {
+      for (const { chart: each } of this.charts) each.dispose();
+    });
+    poll(disposer, kPollMilliseconds, () => this.read());
+  }
+
+  private async read(): Promise<void> {
+    try {
+      const status = await this.context.api.server.getServerStatus(
+        {},
+        { signal: this.disposer.signal },
+      );
+      this.notice.clear();
+      this.history.add(status, Date.now() / 1000);
+      this.draw(status);
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+
+  private draw(status: GetServerStatusResponse): void {
+    const state =
+      status.notReadyReason !== ''
+        ? status.notReadyReason
+        : status.serving
+          ? 'serving'
+          : 'draining';
+    const entries: [string, string][] = [
+      ['Version', status.version],
+      ['Started', time(status.startTime)],
+      ['State', state],
+      ['Encryption', status.encrypted ? 'on' : 'off'],
+      ['Authentication', status.authenticated ? 'required' : 'DISABLED'],
+      ['Calls', `${count(status.callCount)}, ${count(status.failedCallCount)} with a server error`],
+      ['Store', `${bytes(status.storeBytes)}, log ${bytes(status.logBytes)}`],
+      ['Free disk space', status.diskBytes === undefined ? '' : bytes(status.diskFreeBytes)],
+      ['Open streams', count(status.openStreamCount)],
+      [
+        'Corrupt items',
+        status.corruptions.map((each) => `${each.resource}: ${each.description}`).join('\n'),
+      ],
+    ];
+    replaceChildren(
+      this.facts,
+      ...entries.flatMap(([name, value]) =>
+        value === '' ? [] : [element('dt', {}, name), element('dd', {}, value)],
+      ),
+    );
+    for (const { chart, lines } of this.charts) chart.setData(this.history.times, lines());
+    if (this.databases.contains(document.activeElement)) return;
+    replaceChildren(
+      this.databases,
+      tableOf(
+        'Databases',
+        [
+          { title: 'Database' },
+          { title: 'Clips', number: true },
+          { title: 'Frames', number: true },
+          { title: 'Model', number: true },
+          { title: 'Size', number: true },
+          { title: 'Operation' },
+        ],
+        status.databases.map((database) => {
+          const id = lastPart(database.name);
+          return [
+            element('a', { href: hrefOf({ view: 'clips', database: id }) }, id),
+            count(database.clipCount),
+            count(database.storedFrameCount),
+            count(database.modelVersion),
+            bytes(database.byteCount),
+            database.operation === '' ? '' : `${database.stage}, ${percent(database.progress)}`,
+          ];
+        }),
+      ),
+    );
+  }
+}

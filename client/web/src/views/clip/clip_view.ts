@@ -1,0 +1,262 @@
+import '../../style/clip.css';
+import type { Clip } from '../../api/messages';
+import { clipName, isClipId } from '../../api/resource_names';
+import { mayActAs } from '../../api/session';
+import { Disposer } from '../../dom/disposer';
+import { button, element } from '../../dom/element';
+import { Notice } from '../../dom/notice';
+import { durationOf, type Motion } from '../../motion/motion';
+import { driveClock } from '../../player/clock_driver';
+import { PlaybackClock } from '../../player/playback_clock';
+import { PlayerControls } from '../../player/player_controls';
+import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
+import { kStageParts, type StagePart } from '../../stage/motion_stage';
+import { ContactRibbon } from '../../timeline/contact_ribbon';
+import { SegmentPanel } from '../../timeline/segment_panel';
+import { OperationProgress } from '../operation_progress';
+import { clipDetails } from './clip_details';
+import { ComparePanel } from './compare_panel';
+import { CurvePanel } from './curve_panel';
+import { MotionPane } from './motion_pane';
+import { partChoices } from './part_choices';
+
+// Player of a clip, with its segments and curves.
+export const open: OpenView = (host, context, params) => {
+  const view = new ClipView(host, context, params);
+  void view.start();
+  return {
+    close: () => {
+      view.close();
+    },
+  };
+};
+
+class ClipView {
+  private readonly disposer = new Disposer();
+  private readonly notice = new Notice();
+  private readonly stages = element('div', { class: 'stages' });
+  private readonly below = element('div', { class: 'stack' });
+  private readonly controls = element('div', { class: 'panel stack' });
+  private readonly progress: OperationProgress;
+  private readonly id: string;
+  private readonly clock = new PlaybackClock(0, 60);
+  // As in the URL that was opened; the view changes the URL later.
+  private readonly query: URLSearchParams;
+
+  constructor(
+    host: HTMLElement,
+    private readonly context: ViewContext,
+    private readonly params: ViewParams,
+  ) {
+    this.id = params.path[0] ?? '';
+    this.query = new URLSearchParams(params.query);
+    this.progress = new OperationProgress(context.api, this.disposer.signal);
+    const title = element('h1', {}, this.id);
+    host.append(
+      element(
+        'div',
+        { class: 'stack' },
+        title,
+        this.notice.node,
+        this.stages,
+        this.controls,
+        this.below,
+      ),
+    );
+    context.setTitle(this.id);
+  }
+
+  async start(): Promise<void> {
+    this.notice.clear();
+    if (!isClipId(this.id)) {
+      this.notice.error(new Error(`Expected the id of a clip, got '${this.id}'.`));
+      return;
+    }
+    try {
+      const name = clipName(this.params.database, this.id);
+      const { clip } = await this.context.api.clips.getClip(
+        { name },
+        { signal: this.disposer.signal },
+      );
+      if (clip && !this.disposer.disposed) this.show(clip);
+    } catch (error) {
+      this.notice.error(error, [button('Try again', () => void this.start())]);
+    }
+  }
+
+  close(): void {
+    this.disposer.dispose();
+  }
+
+  private show(clip: Clip): void {
+    const { query } = this;
+    this.clock.speed = Number(query.get('speed') ?? 1) || 1;
+    const shown = query.get('show')?.split(',');
+    const parts = kStageParts.filter((part) => shown?.includes(part) ?? part !== 'joints');
+    const pane = this.openPane(clip, parts);
+    const player = new PlayerControls(this.clock);
+    const compare = new ComparePanel(
+      this.context,
+      this.params,
+      this.clock,
+      this.disposer,
+      this.stages,
+      pane,
+    );
+    this.controls.append(
+      player.node,
+      element(
+        'div',
+        { class: 'row' },
+        partChoices(parts, (part, on) => {
+          pane.stage.setPart(part, on);
+          compare.setPart(part, on);
+          this.context.setQuery({
+            show: kStageParts.filter((each) => pane.stage.has(each)).join(','),
+          });
+        }),
+        compare.node,
+      ),
+    );
+    this.disposer.add(() => {
+      player.dispose();
+    });
+    this.disposer.listen(document, 'keydown', (event) => {
+      player.press(event);
+    });
+    this.below.append(this.progress.node, clipDetails(clip));
+    this.disposer.add(driveClock(this.clock, pane.stage.scene));
+    this.disposer.add(
+      this.clock.onChange(() => {
+        pane.stage.show(this.clock.time);
+        if (!this.clock.playing && pane.motion) this.storeTime();
+      }),
+    );
+    if (query.get('statistics') !== null) this.showStatistics(pane);
+    void pane.load();
+  }
+
+  private openPane(clip: Clip, parts: readonly StagePart[]): MotionPane {
+    const pane: MotionPane = new MotionPane(
+      this.context,
+      clip.name,
+      clip.etag,
+      this.id,
+      parts,
+      this.disposer.signal,
+      {
+        started: (motion) => {
+          this.clock.resize(
+            durationOf(motion),
+            motion.frameRateHz,
+            Number(this.query.get('t') ?? 0),
+          );
+          if (pane.stage.scene?.orbit.restore(this.query.get('camera'))) pane.stage.keepCamera();
+          this.openSegments(clip, motion);
+        },
+        completed: (motion) => {
+          this.openCurves(motion, pane);
+          pane.stage.show(this.clock.time);
+        },
+      },
+    );
+    pane.stage.scene?.orbit.onEnd(() => {
+      this.context.setQuery({ camera: pane.stage.scene?.orbit.state ?? null });
+    });
+    this.stages.append(pane.node);
+    this.disposer.add(() => {
+      pane.dispose();
+    });
+    return pane;
+  }
+
+  private openSegments(clip: Clip, motion: Motion): void {
+    const panel = new SegmentPanel({
+      api: this.context.api,
+      clip: clip.name,
+      clock: this.clock,
+      editable: mayActAs(this.context.session, 'ingester'),
+      signal: this.disposer.signal,
+      operation: (operation) => {
+        this.progress.watch(operation);
+      },
+    });
+    this.below.prepend(panel.node);
+    if (motion.contacts.length > 0) {
+      const ribbon = new ContactRibbon(this.context.theme);
+      panel.timeline.addRow(ribbon.node);
+      ribbon.draw(motion.contacts);
+      this.drawContactsLater(ribbon, motion);
+    }
+    const show = () => {
+      panel.timeline.show(this.clock.time);
+    };
+    show();
+    this.disposer.add(this.clock.onChange(show));
+  }
+
+  // Draws the ribbon again when the rest of the motion has arrived.
+  private drawContactsLater(ribbon: ContactRibbon, motion: Motion): void {
+    this.disposer.add(() => {
+      ribbon.dispose();
+    });
+    const timer = setInterval(() => {
+      ribbon.draw(motion.contacts);
+      if (motion.receivedFrames >= motion.frameCount) clearInterval(timer);
+    }, 300);
+    this.disposer.add(() => {
+      clearInterval(timer);
+    });
+  }
+
+  private openCurves(motion: Motion, pane: MotionPane): void {
+    const panel = new CurvePanel({
+      theme: this.context.theme,
+      point: this.query.get('point') ?? '',
+      kind: this.query.get('curve') ?? '',
+      seek: (seconds) => {
+        this.clock.seek(seconds);
+      },
+      chosen: (point, kind) => {
+        this.context.setQuery({ point, curve: kind });
+      },
+      highlight: (marker) => {
+        pane.stage.highlight(marker);
+        if (marker >= 0) pane.stage.setTrailPoints([marker]);
+      },
+    });
+    this.below.append(panel.node);
+    panel.setMotion(motion);
+    this.disposer.add(() => {
+      panel.dispose();
+    });
+    this.disposer.add(
+      this.clock.onChange(() => {
+        panel.setTime(this.clock.time);
+      }),
+    );
+  }
+
+  private storeTime(): void {
+    this.context.setQuery({ t: this.clock.time === 0 ? null : this.clock.time.toFixed(3) });
+  }
+
+  // Work of the main thread and draw calls, for `?statistics=1`.
+  private showStatistics(pane: MotionPane): void {
+    const output = element('output', { class: 'hint statistics' });
+    this.controls.append(output);
+    const timer = setInterval(() => {
+      const statistics = pane.stage.scene?.statistics;
+      if (!statistics) return;
+      output.dataset['p95'] = statistics.p95Milliseconds.toFixed(2);
+      output.dataset['calls'] = String(statistics.drawCalls);
+      output.dataset['rate'] = statistics.rateHz.toFixed(1);
+      output.textContent =
+        `${statistics.rateHz.toFixed(0)} pictures/s, ${statistics.p95Milliseconds.toFixed(1)} ms (95 %), ` +
+        `${statistics.drawCalls} draw calls`;
+    }, 500);
+    this.disposer.add(() => {
+      clearInterval(timer);
+    });
+  }
+}

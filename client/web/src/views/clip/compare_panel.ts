@@ -1,0 +1,160 @@
+import { clipName, databaseName, lastPart } from '../../api/resource_names';
+import type { Disposer } from '../../dom/disposer';
+import { button, element, labelled } from '../../dom/element';
+import { Notice } from '../../dom/notice';
+import { alignmentOffset } from '../../motion/alignment';
+import type { PlaybackClock } from '../../player/playback_clock';
+import type { ViewContext, ViewParams } from '../../shell/view';
+import { kStageParts, type StagePart } from '../../stage/motion_stage';
+import { MotionPane } from './motion_pane';
+
+// A second clip beside the first, shown at the same time plus an offset.
+export class ComparePanel {
+  readonly node: HTMLElement;
+  private readonly notice = new Notice();
+  private readonly clip: HTMLInputElement;
+  private readonly names = element('datalist', { id: 'compare-clips' });
+  private readonly offset: HTMLInputElement;
+  private readonly align: HTMLButtonElement;
+  private pane: MotionPane | undefined;
+
+  constructor(
+    private readonly context: ViewContext,
+    private readonly params: ViewParams,
+    private readonly clock: PlaybackClock,
+    private readonly disposer: Disposer,
+    private readonly stages: HTMLElement,
+    private readonly first: MotionPane,
+  ) {
+    this.clip = element('input', {
+      list: this.names.id,
+      value: params.query.get('with') ?? '',
+      placeholder: 'none',
+    });
+    this.offset = element('input', {
+      type: 'number',
+      step: 'any',
+      value: params.query.get('offset') ?? '0',
+    });
+    this.align = button(
+      'Align',
+      () => {
+        this.alignClips();
+      },
+      { title: 'Finds the offset at which the motions are most alike' },
+    );
+    this.align.disabled = true;
+    this.node = element(
+      'div',
+      { class: 'row', role: 'group', 'aria-label': 'Side by side' },
+      labelled('Side by side with clip', this.clip),
+      this.names,
+      labelled('Offset, s', this.offset),
+      this.align,
+      this.notice.node,
+    );
+    this.clip.addEventListener('change', () => void this.openClip());
+    this.clip.addEventListener('focus', () => void this.listNames(), { once: true });
+    this.offset.addEventListener('change', () => {
+      this.show();
+    });
+    disposer.add(
+      clock.onChange(() => {
+        this.pane?.stage.show(clock.time + this.offsetSeconds);
+      }),
+    );
+    disposer.add(() => this.pane?.dispose());
+    if (this.clip.value !== '') void this.openClip();
+  }
+
+  setPart(part: StagePart, on: boolean): void {
+    this.pane?.stage.setPart(part, on);
+  }
+
+  private get offsetSeconds(): number {
+    return Number(this.offset.value) || 0;
+  }
+
+  private show(): void {
+    this.context.setQuery({ offset: this.offsetSeconds === 0 ? null : this.offset.value });
+    this.pane?.stage.show(this.clock.time + this.offsetSeconds);
+  }
+
+  private async listNames(): Promise<void> {
+    try {
+      const { signal } = this.disposer;
+      const page = await this.context.api.clips.listClips(
+        { parent: databaseName(this.params.database), pageSize: 500 },
+        { signal },
+      );
+      this.names.replaceChildren(
+        ...page.clips.map((clip) => element('option', { value: lastPart(clip.name) })),
+      );
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+
+  private async openClip(): Promise<void> {
+    this.pane?.dispose();
+    this.pane = undefined;
+    this.align.disabled = true;
+    this.notice.clear();
+    const id = this.clip.value.trim();
+    this.context.setQuery({ with: id });
+    this.stages.classList.toggle('pair', id !== '');
+    if (id === '') return;
+    try {
+      const { signal } = this.disposer;
+      const name = clipName(this.params.database, id);
+      const { clip } = await this.context.api.clips.getClip({ name }, { signal });
+      if (!clip || signal.aborted || this.clip.value.trim() !== id) return;
+      const parts = kStageParts.filter((part) => this.first.stage.has(part));
+      const pane: MotionPane = new MotionPane(
+        this.context,
+        clip.name,
+        clip.etag,
+        id,
+        parts,
+        signal,
+        {
+          started: () => {
+            this.show();
+          },
+          completed: () => {
+            this.align.disabled = false;
+            pane.stage.show(this.clock.time + this.offsetSeconds);
+          },
+        },
+      );
+      this.pane = pane;
+      this.stages.append(pane.node);
+      this.linkCameras(pane);
+      void pane.load();
+    } catch (error) {
+      this.stages.classList.remove('pair');
+      this.notice.error(error);
+    }
+  }
+
+  // The second camera looks from the same side as the first.
+  private linkCameras(pane: MotionPane): void {
+    const first = this.first.stage.scene?.orbit;
+    const second = pane.stage.scene?.orbit;
+    if (!first || !second) return;
+    this.disposer.add(
+      first.onMove(() => {
+        if (this.pane === pane) second.copyView(first);
+      }),
+    );
+  }
+
+  private alignClips(): void {
+    const motion = this.first.motion;
+    const other = this.pane?.motion;
+    if (!motion || !other) return;
+    this.offset.value = alignmentOffset(motion, other).toFixed(3);
+    this.show();
+    this.context.announce(`Offset ${this.offset.value} seconds`);
+  }
+}

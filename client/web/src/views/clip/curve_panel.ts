@@ -1,0 +1,110 @@
+import { LineChart } from '../../chart/line_chart';
+import { element, labelled, replaceChildren, selectOf } from '../../dom/element';
+import { curvesOf, frameTimes, type CurveKind } from '../../motion/curves';
+import type { Motion, PointTrack } from '../../motion/motion';
+import type { ThemeSwitch } from '../../shell/theme';
+
+const kKinds = [
+  ['position', 'Position, m'],
+  ['height', 'Height, m'],
+  ['speed', 'Speed, m/s'],
+] as const;
+
+export interface CurvePanelOptions {
+  theme: ThemeSwitch;
+  // Initial choice, such as `RHand` or `joint:hips`; empty: the first marker.
+  point: string;
+  kind: string;
+  seek(seconds: number): void;
+  // The user has chosen a point.
+  chosen(point: string, kind: CurveKind): void;
+  // The chosen marker, also that of the URL; -1 for a joint.
+  highlight(marker: number): void;
+}
+
+// Curves of a marker or joint over time.
+export class CurvePanel {
+  readonly node: HTMLElement;
+  private readonly chart: LineChart;
+  private readonly pointHost = element('span');
+  private point: HTMLSelectElement | undefined;
+  private readonly kind: HTMLSelectElement;
+  private motion: Motion | undefined;
+
+  constructor(private readonly options: CurvePanelOptions) {
+    this.chart = new LineChart({
+      theme: options.theme,
+      label: 'Curves of a marker or joint over time',
+      unit: 'm',
+      pick: (seconds) => {
+        options.seek(seconds);
+      },
+    });
+    this.kind = selectOf(kKinds, kKinds.find(([kind]) => kind === options.kind)?.[0] ?? 'position');
+    this.kind.addEventListener('change', () => {
+      this.choose();
+    });
+    this.node = element(
+      'section',
+      { class: 'panel stack', 'aria-label': 'Curves' },
+      element(
+        'div',
+        { class: 'row' },
+        element('h2', {}, 'Curves'),
+        this.pointHost,
+        labelled('Curve', this.kind),
+      ),
+      this.chart.node,
+    );
+  }
+
+  // Shows a motion whose frames have all arrived.
+  setMotion(motion: Motion): void {
+    this.motion = motion;
+    const options = [
+      ...motion.markers.names.map((name) => [name, name] as const),
+      ...motion.joints.names.map((name) => [`joint:${name}`, `${name} (joint)`] as const),
+    ];
+    const select = selectOf(options, this.options.point);
+    select.addEventListener('change', () => {
+      this.choose();
+    });
+    this.point = select;
+    replaceChildren(this.pointHost, labelled('Point', select));
+    const chosen = this.draw();
+    if (this.options.point !== '' && chosen) this.options.highlight(chosen.marker);
+  }
+
+  setTime(seconds: number): void {
+    this.chart.setMark(seconds);
+  }
+
+  dispose(): void {
+    this.chart.dispose();
+  }
+
+  private choose(): void {
+    const chosen = this.draw();
+    if (!chosen) return;
+    this.options.chosen(chosen.text, this.kindValue);
+    this.options.highlight(chosen.marker);
+  }
+
+  private get kindValue(): CurveKind {
+    return kKinds.find(([kind]) => kind === this.kind.value)?.[0] ?? 'position';
+  }
+
+  private draw(): { text: string; marker: number } | undefined {
+    const { motion } = this;
+    const text = this.point?.value ?? '';
+    if (!motion || text === '') return undefined;
+    const isJoint = text.startsWith('joint:');
+    const track: PointTrack = isJoint ? motion.joints : motion.markers;
+    const point = track.names.indexOf(isJoint ? text.slice('joint:'.length) : text);
+    if (point < 0) return undefined;
+    const unit = this.kindValue === 'speed' ? 'm/s' : 'm';
+    const curves = curvesOf(track, point, this.kindValue, motion.frameRateHz);
+    this.chart.setData(frameTimes(motion.frameCount, motion.frameRateHz), curves, unit);
+    return { text, marker: isJoint ? -1 : point };
+  }
+}

@@ -1,0 +1,83 @@
+import { describeError } from '../../api/errors';
+import { button, element } from '../../dom/element';
+import { Notice } from '../../dom/notice';
+import type { Motion } from '../../motion/motion';
+import type { ViewContext } from '../../shell/view';
+import { MotionStage, type StagePart } from '../../stage/motion_stage';
+
+export interface MotionPaneEvents {
+  // The first block has arrived.
+  started(motion: Motion): void;
+  // All frames have arrived.
+  completed(motion: Motion): void;
+}
+
+// The stage of one clip and its loading.
+export class MotionPane {
+  readonly node: HTMLElement;
+  readonly stage: MotionStage;
+  motion: Motion | undefined;
+  private readonly notice = new Notice();
+  private readonly loading = element('progress', {
+    max: 1,
+    value: 0,
+    'aria-label': 'Loading motion',
+  });
+
+  constructor(
+    private readonly context: ViewContext,
+    private readonly clip: string,
+    private readonly etag: string,
+    title: string,
+    parts: readonly StagePart[],
+    private readonly signal: AbortSignal,
+    private readonly events: MotionPaneEvents,
+  ) {
+    this.stage = new MotionStage(
+      context.theme,
+      `Motion of clip ${title} in three dimensions`,
+      parts,
+    );
+    this.node = element(
+      'div',
+      { class: 'motion-pane' },
+      element('div', { class: 'row' }, element('h2', {}, title), this.loading),
+      this.notice.node,
+      this.stage.node,
+    );
+  }
+
+  async load(): Promise<void> {
+    this.notice.clear();
+    this.loading.hidden = false;
+    try {
+      const motion = await this.context.motions.load(
+        this.clip,
+        this.etag,
+        this.signal,
+        (started) => {
+          this.motion = started;
+          this.stage.setMotion(started);
+          this.events.started(started);
+        },
+        (part) => {
+          this.loading.value = part.receivedFrames / Math.max(1, part.frameCount);
+        },
+      );
+      if (this.signal.aborted) return;
+      this.loading.hidden = true;
+      this.stage.complete();
+      this.events.completed(motion);
+    } catch (error) {
+      this.loading.hidden = true;
+      if (describeError(error) && !this.signal.aborted) {
+        this.notice.error(error, [button('Try again', () => void this.load())]);
+      }
+    }
+  }
+
+  dispose(): void {
+    this.stage.dispose();
+    this.node.remove();
+  }
+}

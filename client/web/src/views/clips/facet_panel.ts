@@ -1,0 +1,49 @@
+import type { Facet } from '../../api/messages';
+import { button, element, replaceChildren } from '../../dom/element';
+import { count } from '../../dom/format';
+import { facetTerm, hasTerm, toggleTerm } from './filter_text';
+
+const kShownValues = 12;
+
+// Values of fields with their counts; a click adds the value to the filter or removes it.
+export class FacetPanel {
+  readonly node = element('aside', { class: 'facets', 'aria-label': 'Values of the listed clips' });
+
+  constructor(private readonly apply: (filter: string) => void) {}
+
+  draw(facets: readonly Facet[], filter: string): void {
+    replaceChildren(
+      this.node,
+      ...facets
+        .filter((facet) => facet.values.length > 0)
+        .map((facet) => this.groupOf(facet, filter)),
+    );
+  }
+
+  private groupOf(facet: Facet, filter: string): HTMLElement {
+    const list = element('ul', {});
+    facet.values.forEach((value, index) => {
+      const term = facetTerm(facet.field, value.value);
+      const chosen = hasTerm(filter, term);
+      const choice = button(
+        value.value,
+        () => {
+          this.apply(toggleTerm(filter, term));
+        },
+        { 'aria-pressed': String(chosen), class: 'facet' },
+      );
+      choice.append(element('span', { class: 'facet-count' }, ` ${count(value.clipCount)}`));
+      list.append(element('li', { hidden: index >= kShownValues && !chosen }, choice));
+    });
+    const more = facet.values.length - kShownValues;
+    const group = element('section', {}, element('h2', {}, facet.field), list);
+    if (more > 0) {
+      const show = button(`${count(more)} more`, () => {
+        for (const item of list.children) item.removeAttribute('hidden');
+        show.remove();
+      });
+      group.append(show);
+    }
+    return group;
+  }
+}

@@ -1,0 +1,164 @@
+import type { Mapping, SourcePoint, UploadClipResponse } from '../../api/messages';
+import { databaseName } from '../../api/resource_names';
+import { button, element } from '../../dom/element';
+import { Notice } from '../../dom/notice';
+import { FigureObject } from '../../scene/figure_object';
+import { extentOf, FloorObject } from '../../scene/floor_object';
+import { createScene, type Scene } from '../../scene/scene';
+import type { ViewContext } from '../../shell/view';
+import { centerOf } from '../../stage/motion_stage';
+import { mappingFile, mappingNameOf, pointsOf, rulesOf, type MarkerRule } from './mapping_file';
+
+// The points of a file on a figure, and the rules that compute the markers from them, to edit. A
+// changed mapping is added to the database; then the file is checked again.
+export class MappingEditor {
+  readonly node = element('div', { class: 'mapping stack' });
+  private readonly picture = element('div', { class: 'scene' });
+  private readonly table = element('div', { class: 'table-scroll rules' });
+  private readonly notice = new Notice();
+  private readonly abort = new AbortController();
+  private readonly inputs: { marker: string; input: HTMLInputElement }[] = [];
+  private scene: Scene | undefined;
+  private parts: { dispose(): void }[] = [];
+  private figure: FigureObject | undefined;
+
+  constructor(
+    private readonly context: ViewContext,
+    private readonly database: string,
+    private readonly fileName: string,
+    private readonly checked: UploadClipResponse,
+    private readonly applied: () => void,
+  ) {
+    const { mapping, points } = checked;
+    this.node.append(
+      element(
+        'p',
+        {},
+        mapping === '' ? 'The file has the markers of the database.' : `Mapping: ${mapping}. `,
+        `${points.filter((point) => point.markerNames.length > 0).length} of ${points.length} points are used.`,
+      ),
+      element('div', { class: 'mapping-columns' }, this.picture, this.table),
+      this.notice.node,
+    );
+    queueMicrotask(() => {
+      if (!this.abort.signal.aborted) this.drawFigure();
+    });
+    void this.readRules();
+  }
+
+  dispose(): void {
+    this.abort.abort();
+    for (const part of this.parts) part.dispose();
+    this.parts = [];
+    this.scene?.dispose();
+    this.node.remove();
+  }
+
+  private drawFigure(): void {
+    const { points } = this.checked;
+    this.scene = createScene(this.picture, {
+      theme: this.context.theme,
+      label: `Points of ${this.fileName}`,
+    });
+    if (!this.scene) return;
+    const positions = Float32Array.from(points.flatMap((point) => [point.xM, point.yM, point.zM]));
+    const bones = points.flatMap((point, index) =>
+      point.parentPoint === undefined ? [] : [{ fromPoint: point.parentPoint, toPoint: index }],
+    );
+    const used = (index: number) => (points[index]?.markerNames.length ?? 0) > 0;
+    const figure = new FigureObject(
+      this.scene,
+      { names: points.map((point) => point.name), bones },
+      { color: (point) => (used(point) ? '--trail' : '--middle') },
+    );
+    figure.update(positions);
+    this.figure = figure;
+    this.parts = [figure, new FloorObject(this.scene, extentOf(positions))];
+    const [x, y] = centerOf(positions) ?? [0, 0];
+    this.scene.orbit.place([x + 2, y - 2.2, 1.5], [x, y, 0.9]);
+    const tip = element('div', { class: 'overlay', hidden: true });
+    this.picture.append(tip);
+    this.scene.canvas.addEventListener('pointermove', (event) => {
+      const point = points[figure.pointAt(event.offsetX, event.offsetY)];
+      tip.hidden = point === undefined;
+      if (point) tip.textContent = describePoint(point);
+    });
+  }
+
+  private async readRules(): Promise<void> {
+    try {
+      const { markerSet } = await this.context.api.markerSets.getMarkerSet(
+        { database: databaseName(this.database) },
+        { signal: this.abort.signal },
+      );
+      if (!markerSet) return;
+      const mapping = markerSet.mappings.find(
+        (each: Mapping) => each.name === this.checked.mapping,
+      );
+      this.drawRules(rulesOf(markerSet.markerNames, this.checked.points, mapping));
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+
+  private drawRules(rules: readonly MarkerRule[]): void {
+    const body = element('tbody', {});
+    for (const { marker, rule } of rules) {
+      const input = element('input', {
+        value: rule,
+        'aria-label': `Rule of ${marker}`,
+        placeholder: 'default rule',
+        spellcheck: 'false',
+      });
+      input.addEventListener('focus', () => {
+        const [first] = pointsOf(input.value);
+        this.figure?.highlight(this.checked.points.findIndex((point) => point.name === first));
+      });
+      this.inputs.push({ marker, input });
+      body.append(
+        element('tr', {}, element('th', { scope: 'row' }, marker), element('td', {}, input)),
+      );
+    }
+    this.table.append(
+      element(
+        'table',
+        {},
+        element(
+          'thead',
+          {},
+          element(
+            'tr',
+            {},
+            element('th', { scope: 'col' }, 'Marker'),
+            element('th', { scope: 'col' }, 'Computed from'),
+          ),
+        ),
+        body,
+      ),
+      button('Use these rules', () => void this.apply()),
+    );
+  }
+
+  // Adds the mapping to the database, under the name of the file.
+  private async apply(): Promise<void> {
+    this.notice.clear();
+    const rules = this.inputs.map(({ marker, input }) => ({ marker, rule: input.value }));
+    try {
+      await this.context.api.markerSets.addMappings(
+        {
+          database: databaseName(this.database),
+          mappingFile: mappingFile(mappingNameOf(this.fileName), rules, this.checked.points),
+        },
+        { signal: this.abort.signal },
+      );
+      this.applied();
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+}
+
+function describePoint(point: SourcePoint): string {
+  const markers = point.markerNames.length === 0 ? 'not used' : point.markerNames.join(', ');
+  return `${point.name}: ${markers}`;
+}

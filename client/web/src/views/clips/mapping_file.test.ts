@@ -1,0 +1,48 @@
+import { create } from '@bufbuild/protobuf';
+import { expect, test } from 'vitest';
+import { MappingSchema, SourcePointSchema } from '../../api/messages';
+import { mappingFile, mappingNameOf, pointsOf, quoteName, rulesOf } from './mapping_file';
+
+const points = [
+  create(SourcePointSchema, { name: 'pelvis', markerNames: ['LHip'] }),
+  create(SourcePointSchema, { name: 'l thigh', markerNames: ['LHip', 'LKnee'] }),
+  create(SourcePointSchema, { name: 'tail' }),
+];
+
+test('takes the rules of the mapping, otherwise equal weights', () => {
+  const mapping = create(MappingSchema, {
+    name: 'robot',
+    text: 'mapping robot\nsignature pelvis\nLKnee = 0.9 "l thigh" + 0.1 pelvis # near\n',
+  });
+  expect(rulesOf(['LHip', 'LKnee', 'Head'], points, mapping)).toEqual([
+    { marker: 'LHip', rule: '0.5 pelvis + 0.5 "l thigh"' },
+    { marker: 'LKnee', rule: '0.9 "l thigh" + 0.1 pelvis' },
+    { marker: 'Head', rule: '' },
+  ]);
+});
+
+test('writes a mapping with the points of its rules as signature', () => {
+  const rules = [
+    { marker: 'LHip', rule: ' 0.5 pelvis + 0.5 "l thigh" ' },
+    { marker: 'Head', rule: '' },
+  ];
+  expect(mappingFile('page-walk', rules, points)).toBe(
+    'motiondb-marker-set 1\nmapping "page-walk"\nsignature pelvis "l thigh"\n' +
+      'LHip = 0.5 pelvis + 0.5 "l thigh"\n',
+  );
+});
+
+test('equal weights sum to 1', () => {
+  const three = ['a', 'b', 'c'].map((name) =>
+    create(SourcePointSchema, { name, markerNames: ['M'] }),
+  );
+  const rule = rulesOf(['M'], three, undefined)[0]?.rule ?? '';
+  const weights = rule.match(/[0-9.]+/g)?.map(Number) ?? [];
+  expect(weights.reduce((sum, weight) => sum + weight, 0)).toBeCloseTo(1, 9);
+});
+
+test('names', () => {
+  expect(quoteName('a"b')).toBe('"a""b"');
+  expect(pointsOf('1 r_foot offset r_foot 0 -0.02 0')).toEqual(['r_foot', 'r_foot']);
+  expect(mappingNameOf('dir/Walk 01.bvh.gz')).toBe('page-Walk_01');
+});

@@ -1,0 +1,84 @@
+import type { Mapping, SourcePoint } from '../../api/messages';
+
+// Texts of mappings in the marker-set format (docs/file_formats.md).
+
+// How a marker is computed, as after `MARKER =`; empty: by the default rule of the marker set.
+export interface MarkerRule {
+  marker: string;
+  rule: string;
+}
+
+// A name as it is written in a mapping: in quotes if it has other characters than plain words.
+export function quoteName(name: string): string {
+  return /^[A-Za-z_][A-Za-z0-9_]*$/.test(name) ? name : `"${name.replaceAll('"', '""')}"`;
+}
+
+// The rules of the markers: those in the text of the mapping that fits, else equal weights of the
+// points that the server computes the marker from.
+export function rulesOf(
+  markers: readonly string[],
+  points: readonly SourcePoint[],
+  mapping: Mapping | undefined,
+): MarkerRule[] {
+  const written = new Map<string, string>();
+  for (const line of mapping?.text.split('\n') ?? []) {
+    const found = /^\s*("(?:[^"]|"")+"|[^\s#="]+)\s*=\s*([^#]*?)\s*(?:#.*)?$/.exec(line);
+    if (found?.[1] !== undefined) written.set(unquoteName(found[1]), found[2] ?? '');
+  }
+  return markers.map((marker) => {
+    const sources = points.filter((point) => point.markerNames.includes(marker));
+    return {
+      marker,
+      rule: written.get(marker) ?? equalWeights(sources.map((point) => point.name)),
+    };
+  });
+}
+
+// A file with one mapping. Its signature are all points of the motion that the rules name.
+export function mappingFile(
+  name: string,
+  rules: readonly MarkerRule[],
+  points: readonly SourcePoint[],
+): string {
+  const used = points.filter((point) =>
+    rules.some(({ rule }) => pointsOf(rule).includes(point.name)),
+  );
+  return [
+    'motiondb-marker-set 1',
+    `mapping ${quoteName(name)}`,
+    `signature ${used.map((point) => quoteName(point.name)).join(' ')}`,
+    ...rules
+      .filter(({ rule }) => rule.trim() !== '')
+      .map(({ marker, rule }) => `${quoteName(marker)} = ${rule.trim()}`),
+    '',
+  ].join('\n');
+}
+
+// Names of the points in a rule.
+export function pointsOf(rule: string): string[] {
+  const words = rule.match(/"(?:[^"]|"")*"|[^\s+]+/g) ?? [];
+  return words.filter((word) => Number.isNaN(Number(word)) && word !== 'offset').map(unquoteName);
+}
+
+// Name of a mapping for a file, as its last part without extensions.
+export function mappingNameOf(fileName: string): string {
+  const stem = fileName.replace(/^.*\//, '').replace(/(\.[A-Za-z0-9]{1,5}){1,2}$/, '');
+  return `page-${stem.replace(/[^A-Za-z0-9_-]+/g, '_').slice(0, 50)}`;
+}
+
+function equalWeights(names: readonly string[]): string {
+  const [only] = names;
+  if (only === undefined) return '';
+  if (names.length === 1) return quoteName(only);
+  const weight = 1 / names.length;
+  // The last weight makes the sum exactly 1.
+  const rounded = Number(weight.toFixed(6));
+  const last = Number((1 - rounded * (names.length - 1)).toFixed(6));
+  return names
+    .map((name, index) => `${index === names.length - 1 ? last : rounded} ${quoteName(name)}`)
+    .join(' + ');
+}
+
+function unquoteName(name: string): string {
+  return name.startsWith('"') ? name.slice(1, -1).replaceAll('""', '"') : name;
+}

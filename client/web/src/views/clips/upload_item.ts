@@ -1,0 +1,183 @@
+import { Code } from '@connectrpc/connect';
+import { describeError, hasCode } from '../../api/errors';
+import type { Operation, UploadClipResponse } from '../../api/messages';
+import { databaseName, lastPart } from '../../api/resource_names';
+import { button, element, labelled } from '../../dom/element';
+import { seconds } from '../../dom/format';
+import { Notice } from '../../dom/notice';
+import { hrefOf } from '../../shell/place';
+import type { ViewContext } from '../../shell/view';
+import type { MappingEditor } from './mapping_editor';
+import type { UploadJob } from './upload_files';
+
+export type UploadState = 'new' | 'checking' | 'checked' | 'storing' | 'stored' | 'failed';
+
+export interface UploadEvents {
+  stored(operation: Operation | undefined): void;
+  changed(): void;
+  closed(): void;
+}
+
+// One file on its way into the database.
+export class UploadItem {
+  readonly node: HTMLElement;
+  state: UploadState = 'new';
+  private readonly status = element('span', { class: 'hint', role: 'status' }, 'waiting');
+  private readonly notice = new Notice();
+  private readonly label = element('input', { maxlength: 255, placeholder: 'unlabelled' });
+  private readonly subject = element('input', { maxlength: 255 });
+  private readonly take = element('input', { maxlength: 255 });
+  private readonly takeField = labelled('Take', this.take, { class: 'field' });
+  private readonly report = element('p', { class: 'hint' });
+  private readonly details = element('details', {}, element('summary', {}, 'Mapping'));
+  private readonly storeButton: HTMLButtonElement;
+  private readonly abort = new AbortController();
+  private editor: MappingEditor | undefined;
+
+  constructor(
+    private readonly context: ViewContext,
+    private readonly database: string,
+    private readonly job: UploadJob<File>,
+    private readonly events: UploadEvents,
+  ) {
+    this.storeButton = button('Store', () => void this.store(), { class: 'primary' });
+    this.storeButton.disabled = true;
+    this.takeField.hidden = true;
+    this.details.hidden = true;
+    this.take.addEventListener('change', () => void this.check(true));
+    this.node = element(
+      'article',
+      { class: 'upload-item stack', 'aria-label': job.motion.name },
+      element(
+        'div',
+        { class: 'row' },
+        element('strong', {}, job.motion.name),
+        job.skeleton && element('span', { class: 'hint' }, `with ${job.skeleton.name}`),
+        this.status,
+      ),
+      element(
+        'div',
+        { class: 'row' },
+        labelled('Label', this.label),
+        labelled('Subject', this.subject),
+        this.takeField,
+        this.storeButton,
+        button('Remove', () => {
+          this.dispose();
+          this.events.closed();
+        }),
+      ),
+      this.report,
+      this.notice.node,
+      this.details,
+    );
+  }
+
+  // Checks the file on the server without storing it; shows the mapping if `open`.
+  async check(open: boolean): Promise<void> {
+    this.enter('checking', 'checking');
+    this.notice.clear();
+    try {
+      const checked = await this.upload(true);
+      if (this.abort.signal.aborted) return;
+      await this.show(checked);
+      this.details.open ||= open;
+      this.enter('checked', 'checked');
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  async store(): Promise<void> {
+    this.enter('storing', 'storing');
+    this.notice.clear();
+    try {
+      const { clip, operation } = await this.upload(false);
+      if (this.abort.signal.aborted || !clip) return;
+      const id = lastPart(clip.name);
+      this.enter('stored', 'stored as ');
+      this.status.append(
+        element('a', { href: hrefOf({ view: 'clip', database: this.database, path: [id] }) }, id),
+      );
+      this.details.hidden = true;
+      this.editor?.dispose();
+      this.editor = undefined;
+      this.events.stored(operation);
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  dispose(): void {
+    this.abort.abort();
+    this.editor?.dispose();
+    this.node.remove();
+  }
+
+  private async upload(validateOnly: boolean): Promise<UploadClipResponse> {
+    const { motion, skeleton } = this.job;
+    const bytesOf = async (file: File) => new Uint8Array(await file.arrayBuffer());
+    return this.context.api.clips.uploadClip(
+      {
+        header: {
+          parent: databaseName(this.database),
+          fileName: motion.name,
+          skeletonFileName: skeleton?.name ?? '',
+          label: this.label.value.trim(),
+          subject: this.subject.value.trim(),
+          conventions: { take: this.take.value.trim() },
+          validateOnly,
+        },
+        file: await bytesOf(motion),
+        ...(skeleton ? { skeletonFile: await bytesOf(skeleton) } : {}),
+      },
+      { signal: this.abort.signal },
+    );
+  }
+
+  private async show(checked: UploadClipResponse): Promise<void> {
+    const { clip } = checked;
+    if (clip) {
+      const duration = seconds(clip.durationSeconds);
+      this.report.textContent = `${duration}, ${clip.frameCount} frames. ${clip.sourceReport}`;
+    }
+    // Loaded here: the list of clips itself needs no graphics.
+    const { MappingEditor: Editor } = await import('./mapping_editor');
+    this.editor?.dispose();
+    if (this.abort.signal.aborted) return;
+    this.editor = new Editor(this.context, this.database, this.job.motion.name, checked, () => {
+      void this.check(true);
+    });
+    this.details.append(this.editor.node);
+    this.details.hidden = false;
+  }
+
+  private fail(error: unknown): void {
+    if (this.abort.signal.aborted) return;
+    const described = describeError(error);
+    this.takeField.hidden = described?.reason !== 'TAKE_REQUIRED' && this.take.value === '';
+    const existing = described?.metadata['clip'];
+    const link =
+      hasCode(error, Code.AlreadyExists) && existing !== undefined
+        ? [
+            element(
+              'a',
+              {
+                href: hrefOf({ view: 'clip', database: this.database, path: [lastPart(existing)] }),
+              },
+              'Open the stored clip',
+            ),
+          ]
+        : [];
+    this.notice.error(error, [...link, button('Check again', () => void this.check(true))]);
+    this.enter('failed', 'failed');
+  }
+
+  private enter(state: UploadState, text: string): void {
+    this.state = state;
+    this.status.textContent = text;
+    this.storeButton.disabled = state !== 'checked';
+    for (const input of [this.label, this.subject]) input.disabled = state === 'stored';
+    this.events.changed();
+  }
+}

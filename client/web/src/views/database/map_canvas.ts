@@ -1,0 +1,139 @@
+import { element } from '../../dom/element';
+import { strongestTransitions } from './level_of_detail';
+import type { MapAppearance, MapPicture } from './map_picture';
+import { parallelMatrix, pick, projectPoints } from './projection';
+import { extentOf, type StateMap } from './state_map';
+
+const kFlatEdges = 2000;
+const kReach = 14;
+
+// A map without WebGL: a parallel projection of points, nodes and edges. The wheel and the keys +
+// and - zoom.
+export class MapCanvas implements MapPicture {
+  readonly surface: HTMLCanvasElement;
+  private map: StateMap | undefined;
+  private appearance: MapAppearance | undefined;
+  private projected: Float32Array = new Float32Array(0);
+  private zoom = 1;
+  private readonly observer: ResizeObserver;
+
+  constructor(
+    private readonly host: HTMLElement,
+    label: string,
+  ) {
+    this.surface = element('canvas', { tabindex: 0, role: 'img', 'aria-label': label });
+    host.append(this.surface);
+    this.surface.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      this.zoomBy(Math.exp(-event.deltaY / 500));
+    });
+    this.surface.addEventListener('keydown', (event) => {
+      if (event.key === '+' || event.key === '=') this.zoomBy(1.2);
+      else if (event.key === '-') this.zoomBy(1 / 1.2);
+    });
+    this.observer = new ResizeObserver(() => {
+      this.redraw();
+    });
+    this.observer.observe(host);
+  }
+
+  draw(map: StateMap, appearance: MapAppearance): void {
+    this.map = map;
+    this.appearance = appearance;
+    this.redraw();
+  }
+
+  nodeAt(x: number, y: number): number {
+    const shown = this.appearance?.nodesShown;
+    const node = pick(this.projected, x, y, kReach);
+    return node >= 0 && shown?.[node] === 1 ? node : -1;
+  }
+
+  positionOf(node: number): { x: number; y: number } | undefined {
+    const x = this.projected[3 * node];
+    const y = this.projected[3 * node + 1];
+    return x === undefined || y === undefined || Number.isNaN(x) ? undefined : { x, y };
+  }
+
+  dispose(): void {
+    this.observer.disconnect();
+    this.surface.remove();
+  }
+
+  private zoomBy(factor: number): void {
+    this.zoom = Math.min(50, Math.max(0.2, this.zoom * factor));
+    this.redraw();
+  }
+
+  private redraw(): void {
+    const { map, appearance } = this;
+    const context = this.surface.getContext('2d');
+    if (!map || !appearance || !context) return;
+    const width = Math.max(1, this.host.clientWidth);
+    const height = Math.max(1, this.host.clientHeight);
+    this.surface.width = width * devicePixelRatio;
+    this.surface.height = height * devicePixelRatio;
+    context.scale(devicePixelRatio, devicePixelRatio);
+    const { centre, radius } = extentOf(map);
+    const matrix = parallelMatrix(appearance.axes, centre, radius, width, height, this.zoom);
+    this.projected = projectPoints(map.nodes.means, matrix, width, height);
+    const points = projectPoints(map.points.positions, matrix, width, height);
+    drawDots(context, points, appearance.pointsShown, appearance.pointColors, 1.5);
+    this.drawEdges(context, map, appearance);
+    drawDots(context, this.projected, appearance.nodesShown, appearance.nodeColors, 5);
+    this.drawEmphasis(context, appearance);
+  }
+
+  private drawEdges(
+    context: CanvasRenderingContext2D,
+    { transitions }: StateMap,
+    { nodesShown, leastProbability, edgeColor }: MapAppearance,
+  ): void {
+    context.strokeStyle = edgeColor;
+    for (const edge of strongestTransitions(transitions, leastProbability, kFlatEdges)) {
+      const from = transitions.from[edge]!;
+      const to = transitions.to[edge]!;
+      if (nodesShown[from] === 0 || nodesShown[to] === 0) continue;
+      context.lineWidth = 0.4 + 3 * transitions.probabilities[edge]!;
+      context.beginPath();
+      context.moveTo(this.projected[3 * from]!, this.projected[3 * from + 1]!);
+      context.lineTo(this.projected[3 * to]!, this.projected[3 * to + 1]!);
+      context.stroke();
+    }
+  }
+
+  private drawEmphasis(
+    context: CanvasRenderingContext2D,
+    { emphasis, path, textColor }: MapAppearance,
+  ): void {
+    context.strokeStyle = textColor;
+    context.lineWidth = 2.5;
+    context.beginPath();
+    for (const node of path)
+      context.lineTo(this.projected[3 * node]!, this.projected[3 * node + 1]!);
+    context.stroke();
+    context.lineWidth = 1.5;
+    for (const [node, color] of emphasis) {
+      context.fillStyle = color;
+      context.beginPath();
+      context.arc(this.projected[3 * node]!, this.projected[3 * node + 1]!, 7, 0, 2 * Math.PI);
+      context.fill();
+      context.stroke();
+    }
+  }
+}
+
+function drawDots(
+  context: CanvasRenderingContext2D,
+  projected: Float32Array,
+  shown: Uint8Array,
+  colors: Float32Array,
+  size: number,
+): void {
+  shown.forEach((isShown, i) => {
+    if (isShown === 0) return;
+    const [r, g, b] = [0, 1, 2].map((k) => Math.round(255 * colors[3 * i + k]!));
+    context.fillStyle = `rgb(${r ?? 0} ${g ?? 0} ${b ?? 0})`;
+    context.fillRect(projected[3 * i]! - size / 2, projected[3 * i + 1]! - size / 2, size, size);
+  });
+}

@@ -1,0 +1,33 @@
+import type { Axes } from './projection';
+import type { StateMap } from './state_map';
+
+// How a map is drawn. Colours are red, green and blue (0 to 1) for each node or point.
+export interface MapAppearance {
+  axes: Axes;
+  nodeColors: Float32Array;
+  pointColors: Float32Array;
+  // 1: drawn. For each node and for each point.
+  nodesShown: Uint8Array;
+  pointsShown: Uint8Array;
+  leastProbability: number;
+  // Semi-axes in standard deviations.
+  size: number;
+  // Nodes drawn in one colour, `#rrggbb`, above all others: a path, or a chosen node.
+  emphasis: ReadonlyMap<number, string>;
+  // Successive nodes joined by a line.
+  path: readonly number[];
+  edgeColor: string;
+  textColor: string;
+}
+
+// A drawn map, with WebGL or without.
+export interface MapPicture {
+  // The element that gets pointer events. Positions below are px from its top left.
+  readonly surface: HTMLCanvasElement;
+  draw(map: StateMap, appearance: MapAppearance): void;
+  // Index of the node at a position; -1: none.
+  nodeAt(x: number, y: number): number;
+  // Position of a node; undefined outside the view.
+  positionOf(node: number): { x: number; y: number } | undefined;
+  dispose(): void;
+}

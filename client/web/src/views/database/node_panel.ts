@@ -1,0 +1,61 @@
+import { element, replaceChildren } from '../../dom/element';
+import { count, percent } from '../../dom/format';
+import { Notice } from '../../dom/notice';
+import { posePicture } from '../../drawing/pose_picture';
+import { lastPart } from '../../api/resource_names';
+import type { NodePoses } from './node_poses';
+import type { StateMap } from './state_map';
+
+const kWait = 60;
+const kView = { width: 200, height: 220, turn: 0.6 };
+
+// The node under the pointer or the chosen one: its numbers and its mean pose, with velocities.
+export class NodePanel {
+  readonly node = element('section', { class: 'panel node-panel', 'aria-label': 'Node' });
+  private readonly facts = element('p', { class: 'hint' }, 'Point at a node, or choose one below.');
+  private readonly picture = element('div', { class: 'pose-host' });
+  private readonly notice = new Notice();
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private shown = '';
+
+  constructor(private readonly poses: NodePoses) {
+    this.node.append(element('h2', {}, 'Mean pose'), this.facts, this.picture, this.notice.node);
+  }
+
+  show(map: StateMap, node: number): void {
+    const key = `${map.header.modelVersion}:${map.header.layer}:${node}`;
+    if (key === this.shown) return;
+    this.shown = key;
+    this.facts.textContent = describeNode(map, node);
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => void this.load(map, node, key), kWait);
+  }
+
+  close(): void {
+    clearTimeout(this.timer);
+  }
+
+  private async load(map: StateMap, node: number, key: string): Promise<void> {
+    try {
+      const id = map.nodes.ids[node]!;
+      const [pose] = await this.poses.load(map.header.layer, [id]);
+      if (key !== this.shown || !pose) return;
+      this.notice.clear();
+      replaceChildren(this.picture, posePicture(pose, kView, `Mean pose of node ${id}`));
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+}
+
+// Numbers of a node as text.
+export function describeNode(map: StateMap, node: number): string {
+  const { nodes, header } = map;
+  const clip = nodes.mainClips[node]!;
+  const label = header.labels[clip] ?? '';
+  return (
+    `Node ${nodes.ids[node]!} of layer ${header.layer}: ${count(nodes.frameCounts[node]!)} frames, ` +
+    `${percent(nodes.labelFractions[node]!)} ${label === '' ? 'without label' : label}, ` +
+    `most from ${lastPart(header.clips[clip] ?? '')}`
+  );
+}

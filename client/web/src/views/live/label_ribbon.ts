@@ -1,0 +1,55 @@
+import { element } from '../../dom/element';
+import type { ThemeSwitch } from '../../shell/theme';
+import { labelColorProperty } from '../../timeline/label_color';
+import type { LabelMoment } from './label_history';
+
+const kWidth = 1200;
+const kHeight = 40;
+
+// Labels over the last seconds, the newest at the right. The height is the probability; hatching is
+// unknown motion.
+export class LabelRibbon {
+  readonly node: HTMLElement;
+  private readonly canvas = element('canvas', { width: kWidth, height: kHeight });
+  private readonly text = element('p', { class: 'ribbon-text', 'aria-live': 'off' });
+
+  constructor(
+    private readonly theme: ThemeSwitch,
+    private readonly lengthSeconds: number,
+  ) {
+    this.node = element(
+      'div',
+      { class: 'ribbon' },
+      element(
+        'div',
+        { role: 'img', 'aria-label': `Labels of the last ${lengthSeconds} seconds` },
+        this.canvas,
+      ),
+      this.text,
+    );
+  }
+
+  draw(moments: readonly LabelMoment[]): void {
+    const context = this.canvas.getContext('2d');
+    const last = moments.at(-1);
+    if (!context || !last) return;
+    context.clearRect(0, 0, kWidth, kHeight);
+    const scale = kWidth / this.lengthSeconds;
+    moments.forEach((moment, index) => {
+      const next = moments[index + 1]?.time ?? moment.time + 0.05;
+      const x = kWidth - (last.time - moment.time) * scale;
+      const height = kHeight * Math.min(Math.max(moment.probability, 0.04), 1);
+      context.fillStyle = this.theme.color(
+        moment.unknown ? '--line' : labelColorProperty(moment.label),
+      );
+      context.fillRect(x, kHeight - height, Math.max(1, (next - moment.time) * scale), height);
+    });
+    this.text.textContent = describe(last);
+  }
+}
+
+function describe(moment: LabelMoment): string {
+  const percent = `${Math.round(100 * moment.probability)} %`;
+  if (moment.unknown) return `Unknown motion, ${percent}`;
+  return moment.label === '' ? 'No label yet' : `${moment.label}, ${percent}`;
+}

@@ -1,0 +1,164 @@
+import { Code } from '@connectrpc/connect';
+import { hasCode, isConnectionLost } from '../../api/errors';
+import type { WatchStreamResponse } from '../../api/messages';
+import { databaseName } from '../../api/resource_names';
+import { LineChart } from '../../chart/line_chart';
+import type { Disposer } from '../../dom/disposer';
+import { element, labelled, replaceChildren } from '../../dom/element';
+import { count, percent } from '../../dom/format';
+import { Notice } from '../../dom/notice';
+import type { ViewContext } from '../../shell/view';
+import { LabelHistory, momentOf } from './label_history';
+import { LabelRibbon } from './label_ribbon';
+import { LiveStage } from './live_stage';
+
+const kHistorySeconds = 20;
+const kLatencies = 200;
+const kDrawMilliseconds = 200;
+const kRetryMilliseconds = 1500;
+
+// A spectator of one stream: figure, predicted poses, labels and latency.
+export class StreamWatch {
+  readonly node: HTMLElement;
+  private readonly notice = new Notice();
+  private readonly stageHost = element('div');
+  private readonly facts = element('dl', { class: 'details' });
+  private readonly history = new LabelHistory(kHistorySeconds);
+  private readonly ribbon: LabelRibbon;
+  private readonly latency: LineChart;
+  private readonly latencies: number[] = [];
+  private stage: LiveStage | undefined;
+  private frameRateHz = 60;
+  private skipped = 0n;
+  private drawn = 0;
+
+  constructor(
+    private readonly context: ViewContext,
+    private readonly database: string,
+    private readonly stream: string,
+    private readonly disposer: Disposer,
+  ) {
+    this.ribbon = new LabelRibbon(context.theme, kHistorySeconds);
+    this.latency = new LineChart({
+      theme: context.theme,
+      label: 'Latency of the last answers',
+      unit: 'ms',
+      height: 130,
+    });
+    const follow = element('input', { type: 'checkbox', checked: true });
+    follow.addEventListener('change', () => {
+      if (this.stage) this.stage.follow = follow.checked;
+    });
+    this.node = element(
+      'section',
+      { class: 'stack', 'aria-label': `Stream ${stream}` },
+      element(
+        'div',
+        { class: 'row' },
+        element('h2', {}, `Stream ${stream}`),
+        labelled('Follow camera', follow, { class: 'field inline' }),
+      ),
+      this.notice.node,
+      this.stageHost,
+      this.ribbon.node,
+      this.facts,
+      this.latency.node,
+    );
+    disposer.add(() => {
+      this.stage?.dispose();
+      this.latency.dispose();
+    });
+  }
+
+  // Watches until the stream ends; a lost connection is tried again.
+  async run(): Promise<void> {
+    const { signal } = this.disposer;
+    while (!signal.aborted) {
+      try {
+        await this.openStage();
+        const name = `${databaseName(this.database)}/streams/${this.stream}`;
+        for await (const response of this.context.api.observe.watchStream({ name }, { signal })) {
+          this.notice.clear();
+          this.show(response);
+        }
+        this.notice.message('The stream has ended.');
+        return;
+      } catch (error) {
+        if (this.disposer.disposed) return;
+        if (hasCode(error, Code.NotFound)) {
+          this.notice.message('This stream does not run any more.');
+          return;
+        }
+        this.notice.error(error);
+        this.context.connection.failed(error);
+        if (!isConnectionLost(error)) return;
+        await new Promise((resolve) => setTimeout(resolve, kRetryMilliseconds));
+      }
+    }
+  }
+
+  private async openStage(): Promise<void> {
+    if (this.stage) return;
+    const { figure } = await this.context.api.views.getFigure(
+      { name: databaseName(this.database) },
+      { signal: this.disposer.signal },
+    );
+    if (!figure || this.disposer.disposed) return;
+    this.stage = new LiveStage(this.context.theme, figure);
+    this.stageHost.append(this.stage.node);
+  }
+
+  private show(response: WatchStreamResponse): void {
+    if (response.stream) this.frameRateHz = response.stream.frameRateHz;
+    const { answer } = response;
+    if (!answer) return;
+    this.stage?.show(response);
+    this.history.add(momentOf(answer, this.frameRateHz));
+    this.skipped += response.skippedCount;
+    this.latencies.push(1000 * response.latencySeconds);
+    if (this.latencies.length > kLatencies) this.latencies.shift();
+    const now = performance.now();
+    if (now - this.drawn < kDrawMilliseconds) return;
+    this.drawn = now;
+    this.ribbon.draw(this.history.all);
+    this.drawFacts(response);
+    this.latency.setData(
+      this.latencies.map((_, index) => index - this.latencies.length + 1),
+      [{ name: 'latency', color: '--accent', values: this.latencies }],
+    );
+  }
+
+  private drawFacts(response: WatchStreamResponse): void {
+    const { answer } = response;
+    if (!answer) return;
+    const labels = answer.labels
+      .slice(0, 3)
+      .map((each) => `${each.label} ${percent(each.probability)}`);
+    const predictions = answer.horizons.map((horizon) => {
+      const expected = horizon.expectedErrorM;
+      const text =
+        expected === undefined
+          ? 'error not known'
+          : `expected error ${(100 * expected).toFixed(1)} cm`;
+      return `${horizon.seconds.toFixed(2)} s: ${text}`;
+    });
+    const entries: [string, string][] = [
+      ['Frame', count(answer.frame)],
+      ['Labels', labels.join(', ')],
+      [
+        'Unknown',
+        answer.unknownProbability === undefined ? '' : percent(answer.unknownProbability),
+      ],
+      ['Familiarity', answer.familiarity.toFixed(2)],
+      ['Prediction', predictions.join('; ')],
+      ['Latency', `${(1000 * response.latencySeconds).toFixed(1)} ms`],
+      ['Answers left out', count(this.skipped)],
+    ];
+    replaceChildren(
+      this.facts,
+      ...entries.flatMap(([name, value]) =>
+        value === '' ? [] : [element('dt', {}, name), element('dd', {}, value)],
+      ),
+    );
+  }
+}

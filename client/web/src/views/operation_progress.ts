@@ -1,0 +1,84 @@
+import type { Api } from '../api/api';
+import { isConnectionLost } from '../api/errors';
+import { OperationState, type Operation } from '../api/messages';
+import { element } from '../dom/element';
+import { percent } from '../dom/format';
+import { Notice } from '../dom/notice';
+
+const kWaitMilliseconds = 700;
+
+export function isDone(operation: Operation): boolean {
+  return (
+    operation.state === OperationState.SUCCEEDED ||
+    operation.state === OperationState.FAILED ||
+    operation.state === OperationState.CANCELLED
+  );
+}
+
+// The progress of an operation, such as the rebuild of a model, until it is done.
+export class OperationProgress {
+  readonly node: HTMLElement;
+  private readonly bar = element('progress', { max: 1, value: 0, 'aria-label': 'Progress' });
+  private readonly text = element('span', { class: 'hint', role: 'status' });
+  private readonly notice = new Notice();
+  private watched = '';
+
+  constructor(
+    private readonly api: Api,
+    private readonly signal: AbortSignal,
+    private readonly done: (operation: Operation) => void = () => undefined,
+  ) {
+    this.node = element(
+      'div',
+      { class: 'operation', hidden: true },
+      element('div', { class: 'row' }, this.bar, this.text),
+      this.notice.node,
+    );
+  }
+
+  // Follows an operation instead of the one before.
+  watch(operation: Operation): void {
+    this.notice.clear();
+    this.draw(operation);
+    if (operation.name === this.watched) return;
+    this.watched = operation.name;
+    void this.follow(operation.name);
+  }
+
+  private async follow(name: string): Promise<void> {
+    while (!this.signal.aborted && this.watched === name) {
+      try {
+        const { operation } = await this.api.operations.waitOperation(
+          { name, timeout: { nanos: kWaitMilliseconds * 1_000_000 } },
+          { signal: this.signal },
+        );
+        if (!operation || this.watched !== name) return;
+        this.draw(operation);
+        if (!isDone(operation)) continue;
+        this.watched = '';
+        this.done(operation);
+        return;
+      } catch (error) {
+        if (!isConnectionLost(error)) {
+          this.watched = '';
+          this.notice.error(error);
+          return;
+        }
+        await new Promise((resolve) => setTimeout(resolve, kWaitMilliseconds));
+      }
+    }
+  }
+
+  private draw(operation: Operation): void {
+    this.node.hidden = false;
+    this.bar.value = operation.progress;
+    this.bar.hidden = isDone(operation);
+    if (operation.state === OperationState.SUCCEEDED)
+      this.text.textContent = 'Model is up to date.';
+    else if (operation.state === OperationState.CANCELLED)
+      this.text.textContent = 'Update of the model cancelled.';
+    else if (operation.result.case === 'error')
+      this.text.textContent = `Update of the model failed: ${operation.result.value.message}`;
+    else this.text.textContent = `Model: ${operation.stage}, ${percent(operation.progress)}`;
+  }
+}

@@ -1,0 +1,41 @@
+import { describe, expect, it } from 'vitest';
+import type { ObstacleShape } from './floor_geometry';
+import { goalOf, goalText, obstaclesOf, obstaclesText } from './plan_url';
+
+describe('obstacles in a URL', () => {
+  const shapes: ObstacleShape[] = [
+    { kind: 'disc', centre: { x: 1.25, y: -0.5 }, radius: 0.4 },
+    {
+      kind: 'polygon',
+      corners: [
+        { x: 0, y: 0 },
+        { x: 1, y: 0 },
+        { x: 1, y: -1.125 },
+      ],
+    },
+  ];
+
+  it('come back unchanged', () => {
+    expect(obstaclesOf(obstaclesText(shapes))).toEqual(shapes);
+    expect(obstaclesOf(obstaclesText([]))).toEqual([]);
+  });
+
+  it('leave out parts that are not valid', () => {
+    expect(obstaclesOf('d1,2_d1,2,-1_p1,2,3,4_px,1,2,3,4,5_q1,1,1_d1,1,1')).toHaveLength(1);
+    expect(obstaclesOf('<b>')).toEqual([]);
+  });
+});
+
+describe('goal in a URL', () => {
+  it('comes back to 1 mm', () => {
+    expect(goalOf(goalText({ x: 2, y: 1, heading: 0.78539 }))).toEqual({
+      x: 2,
+      y: 1,
+      heading: 0.785,
+    });
+  });
+
+  it('is undefined for other text', () => {
+    for (const text of ['', '1,2', '1,2,x', 'Infinity,0,0']) expect(goalOf(text)).toBeUndefined();
+  });
+});

@@ -1,0 +1,241 @@
+import '../../style/clip.css';
+import './plan.css';
+import { FileFormat, type PlanResponse } from '../../api/messages';
+import { databaseName, lastPart } from '../../api/resource_names';
+import { Disposer } from '../../dom/disposer';
+import { downloadBytes } from '../../dom/download';
+import { button, element } from '../../dom/element';
+import { Notice } from '../../dom/notice';
+import { frameAt, type Motion } from '../../motion/motion';
+import { driveClock } from '../../player/clock_driver';
+import { PlaybackClock } from '../../player/playback_clock';
+import { PlayerControls } from '../../player/player_controls';
+import type { View, ViewContext, ViewParams } from '../../shell/view';
+import { MotionStage } from '../../stage/motion_stage';
+import { FloorEditor } from './floor_editor';
+import { PlanForm } from './plan_form';
+import { planRequest, type Robot } from './plan_request';
+import { motionsOf, PlanResults } from './plan_results';
+import { planSettingsOf, queryOfPlan, type PlanSettings } from './plan_settings';
+import { rootPath, stageMotion } from './planned_motion';
+
+const kDownloads: readonly (readonly [string, FileFormat])[] = [
+  ['BVH', FileFormat.BVH],
+  ['CSV', FileFormat.CSV],
+  ['GLB', FileFormat.GLTF],
+];
+
+// The view of plans (Fig. 16).
+export function open(host: HTMLElement, context: ViewContext, params: ViewParams): View {
+  const page = new PlanPage(host, context, params);
+  page.start();
+  return page;
+}
+
+class PlanPage implements View {
+  private readonly disposer = new Disposer();
+  private readonly notice = new Notice();
+  private readonly form: PlanForm;
+  private readonly floor: FloorEditor;
+  private readonly results: PlanResults;
+  private readonly stage: MotionStage;
+  private readonly clock = new PlaybackClock(0, 60);
+  private readonly player: PlayerControls;
+  private readonly answer = element('section', {
+    class: 'panel stack',
+    hidden: true,
+    'aria-label': 'Answer',
+  });
+  private settings: PlanSettings;
+  private response: PlanResponse | undefined;
+  // The settings and robot of the response, for its files.
+  private planned: { settings: PlanSettings; robot: Robot | undefined } | undefined;
+  private motion: Motion | undefined;
+  private chosen = 0;
+  private planning = new AbortController();
+
+  constructor(
+    host: HTMLElement,
+    private readonly context: ViewContext,
+    private readonly params: ViewParams,
+  ) {
+    this.settings = planSettingsOf(params.query);
+    const { goal, obstacles } = this.settings;
+    this.form = new PlanForm(
+      this.settings,
+      (changes) => {
+        this.change(changes);
+        this.floor.setGoal(this.settings.goal);
+      },
+      () => void this.plan(),
+    );
+    this.floor = new FloorEditor(goal, obstacles, {
+      setGoal: (changed) => {
+        this.change({ goal: changed });
+        this.form.showGoal(changed);
+      },
+      setObstacles: (changed) => {
+        this.change({ obstacles: changed });
+      },
+      report: (text) => {
+        this.notice.error(new Error(text));
+      },
+    });
+    this.results = new PlanResults((index) => void this.show(index));
+    this.stage = new MotionStage(context.theme, 'The planned motion', [
+      'markers',
+      'joints',
+      'follow',
+    ]);
+    this.player = new PlayerControls(this.clock);
+    const downloads = kDownloads.map(([name, format]) =>
+      button(`Download ${name}`, () => void this.download(format)),
+    );
+    this.answer.append(
+      this.results.node,
+      this.player.node,
+      element('div', { class: 'row' }, ...downloads),
+    );
+    const pictures = element('div', { class: 'plan-layout' }, this.floor.node, this.stage.node);
+    const title = element('h1', {}, `Plan ${params.database}`);
+    host.append(
+      element(
+        'div',
+        { class: 'stack' },
+        title,
+        this.form.node,
+        this.notice.node,
+        pictures,
+        this.answer,
+      ),
+    );
+    this.connect();
+  }
+
+  start(): void {
+    this.floor.fit();
+    void this.offerNames();
+    if (this.params.query.has('goal')) void this.plan();
+  }
+
+  close(): void {
+    this.disposer.dispose();
+    this.planning.abort();
+    this.clock.pause();
+    this.player.dispose();
+    this.floor.close();
+    this.stage.dispose();
+  }
+
+  private connect(): void {
+    this.disposer.add(driveClock(this.clock, this.stage.scene));
+    this.disposer.add(
+      this.clock.onChange(() => {
+        this.stage.show(this.clock.time);
+        const path = this.response && motionsOf(this.response)[this.chosen];
+        if (!path || !this.motion) return;
+        this.floor.showBody(rootPath(path)[frameAt(this.motion, this.clock.time)]);
+      }),
+    );
+    this.disposer.listen<'keydown'>(document, 'keydown', (event) => {
+      if (this.motion) this.player.press(event);
+    });
+  }
+
+  private change(changes: Partial<PlanSettings>): void {
+    this.settings = { ...this.settings, ...changes };
+    this.context.setQuery(queryOfPlan(this.settings));
+  }
+
+  private async plan(): Promise<void> {
+    this.planning.abort();
+    this.planning = new AbortController();
+    const { signal } = this.planning;
+    const { database } = this.params;
+    const { settings } = this;
+    this.change({});
+    try {
+      this.notice.message('Planning ...');
+      const robot = await readRobot(this.form.robotFile);
+      const request = planRequest(database, settings, robot);
+      const response = await this.context.api.queries.plan(request, { signal });
+      this.notice.clear();
+      this.response = response;
+      this.planned = { settings, robot };
+      this.answer.hidden = false;
+      await this.show(0);
+      this.floor.fit();
+      this.context.announce(`${motionsOf(response).length} motions found. ${response.missing}`);
+    } catch (error) {
+      if (!signal.aborted) this.notice.error(error);
+    }
+  }
+
+  // Shows one of the motions of the response.
+  private async show(index: number): Promise<void> {
+    const { response } = this;
+    if (!response) return;
+    this.chosen = index;
+    const motions = motionsOf(response);
+    this.results.show(response, index);
+    this.floor.showPaths(
+      motions.map((motion, i) => ({
+        poses: rootPath(motion),
+        frameRateHz: motion.frameRateHz,
+        chosen: i === index,
+      })),
+    );
+    this.floor.showBody(undefined);
+    const planned = motions[index];
+    if (!planned) return;
+    const name = databaseName(this.params.database);
+    const { signal } = this.disposer;
+    try {
+      const { figure } = await this.context.api.views.getFigure({ name }, { signal });
+      if (this.response !== response || this.chosen !== index) return;
+      this.motion = stageMotion('plan', planned, figure?.markerBones ?? []);
+      this.clock.pause();
+      this.clock.resize(planned.frameCount / planned.frameRateHz, planned.frameRateHz, 0);
+      this.stage.setMotion(this.motion);
+      this.stage.complete();
+      this.clock.seek(0);
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+
+  // The same search again gives the same motions, now as files.
+  private async download(format: FileFormat): Promise<void> {
+    if (!this.planned) return;
+    const { settings, robot } = this.planned;
+    try {
+      this.notice.message('Writing the file ...');
+      const request = planRequest(this.params.database, settings, robot, format);
+      const response = await this.context.api.queries.plan(request, {
+        signal: this.disposer.signal,
+      });
+      const file = motionsOf(response)[this.chosen]?.file;
+      if (!file) throw new Error('Expected the motion as a file, got none.');
+      this.notice.message([`Saved ${file.fileName}.`, ...file.notes].join('\n'));
+      downloadBytes(file.fileName, [file.data]);
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+
+  private async offerNames(): Promise<void> {
+    try {
+      const { clips } = await this.context.api.clips.listClips(
+        { parent: databaseName(this.params.database), pageSize: 1000 },
+        { signal: this.disposer.signal },
+      );
+      this.form.offer(clips.map(({ name }) => lastPart(name)));
+    } catch (error) {
+      if (!this.disposer.disposed) this.notice.error(error);
+    }
+  }
+}
+
+async function readRobot(file: File | undefined): Promise<Robot | undefined> {
+  return file && { fileName: file.name, urdf: new Uint8Array(await file.arrayBuffer()) };
+}

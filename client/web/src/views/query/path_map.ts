@@ -1,0 +1,79 @@
+import type { Api } from '../../api/api';
+import { element } from '../../dom/element';
+import type { ThemeSwitch } from '../../shell/theme';
+import { loadMap } from '../database/map_loader';
+import { MapPanel } from '../database/map_panel';
+import { describeNode } from '../database/node_panel';
+import type { StateMap } from '../database/state_map';
+import type { MomentAnswer } from './prediction';
+
+const kPathColor = '#f0c000';
+const kNextColor = '#1f3fbf';
+
+// The estimated node path on the map of states, with the most probable next node, as in Fig. 11.
+export class PathMap {
+  readonly node = element('section', { class: 'path-map', 'aria-label': 'Path', hidden: true });
+  private readonly text = element('p', { class: 'hint' });
+  private panel: MapPanel | undefined;
+  private map: StateMap | undefined;
+
+  constructor(
+    private readonly api: Api,
+    private readonly theme: ThemeSwitch,
+    private readonly database: string,
+  ) {}
+
+  async show({ estimate, prediction }: MomentAnswer, signal: AbortSignal): Promise<void> {
+    this.node.hidden = false;
+    const { layer, modelVersion } = estimate;
+    const known = this.map?.header;
+    if (known?.layer !== layer || known.modelVersion !== modelVersion) {
+      const request = { database: this.database, layer, clip: '', maxPoints: 10_000 };
+      this.map = await loadMap(this.api, request, signal);
+    }
+    const map = this.map;
+    if (!map) return;
+    const places = new Map(Array.from(map.nodes.ids, (id, place) => [id, place]));
+    const ids = estimate.paths[0]?.nodeIds ?? [];
+    const path = withoutRepeats(ids.flatMap((id) => places.get(id) ?? []));
+    const next = places.get(prediction.nextNodes[0]?.nodeId ?? -1);
+    const emphasis = new Map(path.map((place) => [place, kPathColor]));
+    if (next !== undefined) emphasis.set(next, kNextColor);
+    this.openPanel().show({
+      map,
+      axes: '123',
+      colorBy: 'label',
+      hiddenLabels: [],
+      leastProbability: 0.05,
+      size: 0.3,
+      emphasis,
+      path,
+    });
+    this.text.textContent = `Path (yellow): ${path.map((place) => map.nodes.ids[place]!).join(', ')}`;
+  }
+
+  hide(): void {
+    this.node.hidden = true;
+  }
+
+  close(): void {
+    this.panel?.close();
+  }
+
+  private openPanel(): MapPanel {
+    if (this.panel) return this.panel;
+    const describe = (place: number) => {
+      if (this.map && place >= 0) this.text.textContent = describeNode(this.map, place);
+    };
+    const label = 'Estimated path in principal axes. Arrow keys turn, + and - zoom.';
+    this.panel = new MapPanel({ theme: this.theme, label, onPoint: describe, onChoose: describe });
+    this.node.append(this.panel.node, this.text);
+    this.panel.open(null);
+    return this.panel;
+  }
+}
+
+// A path without the frames that stay in a node.
+export function withoutRepeats(path: readonly number[]): number[] {
+  return path.filter((node, i) => node !== path[i - 1]);
+}

@@ -1,0 +1,110 @@
+import type { Api } from '../../api/api';
+import { Method } from '../../api/messages';
+import { databaseName } from '../../api/resource_names';
+import { button, element, labelled } from '../../dom/element';
+import { Notice } from '../../dom/notice';
+import type { ThemeSwitch } from '../../shell/theme';
+import { observationOf, type ObservedMotion } from './observed_motion';
+import { ProfileChart } from './profile_chart';
+import { comparedLayers, profileOf, type Profile } from './profile_series';
+
+// What is asked for profiles.
+export interface ProfileQuestion {
+  database: string;
+  observed: ObservedMotion;
+  filter: string;
+  window: number;
+  layers: readonly number[];
+}
+
+// Generation probability over time for several layers, one chart for each.
+export class ProfilePanel {
+  readonly node = element('section', {
+    class: 'panel stack',
+    'aria-label': 'Generation probability',
+  });
+  private readonly layers = element('input', { placeholder: 'bottom, middle, upper' });
+  private readonly charts = element('div', { class: 'profiles' });
+  private readonly notice = new Notice();
+  private drawn: ProfileChart[] = [];
+  private profiles: Profile[] = [];
+  private loading = new AbortController();
+  private readonly removeTheme: () => void;
+
+  constructor(
+    private readonly api: Api,
+    private readonly theme: ThemeSwitch,
+    private readonly seek: (seconds: number) => void,
+    private readonly ask: (layers: number[]) => void,
+  ) {
+    const start = button('Show generation probability', () => {
+      const layers = this.layers.value.split(/[ ,]+/).map(Number);
+      this.ask(layers.filter((layer) => Number.isInteger(layer) && layer >= 1));
+    });
+    this.node.append(
+      element('h2', {}, 'Generation probability by layer'),
+      element('div', { class: 'row' }, labelled('Layers', this.layers), start),
+      this.notice.node,
+      this.charts,
+    );
+    this.removeTheme = theme.onChange(() => {
+      this.draw();
+    });
+  }
+
+  // Asks one query for each layer.
+  async load(question: ProfileQuestion): Promise<void> {
+    this.clear();
+    const { signal } = this.loading;
+    try {
+      const layers = await this.layersOf(question, signal);
+      this.layers.value = layers.join(', ');
+      this.notice.message('Computing the probabilities of all clips ...');
+      for (const layer of layers) {
+        const response = await this.api.queries.recognize(
+          {
+            database: databaseName(question.database),
+            observation: observationOf(question.observed),
+            windowSeconds: question.window,
+            layer,
+            method: Method.PAPER,
+            filter: question.filter,
+          },
+          { signal },
+        );
+        this.profiles.push(profileOf(response.windows));
+        this.draw();
+      }
+      this.notice.clear();
+    } catch (error) {
+      if (!signal.aborted) this.notice.error(error);
+    }
+  }
+
+  // Removes charts of another motion.
+  clear(): void {
+    this.loading.abort();
+    this.loading = new AbortController();
+    this.profiles = [];
+    this.notice.clear();
+    this.draw();
+  }
+
+  close(): void {
+    this.removeTheme();
+    this.clear();
+  }
+
+  private async layersOf(question: ProfileQuestion, signal: AbortSignal): Promise<number[]> {
+    if (question.layers.length > 0) return [...question.layers];
+    const name = `${databaseName(question.database)}/models/current`;
+    const { model } = await this.api.models.getModel({ name }, { signal });
+    return comparedLayers(model?.nodesPerLayer.length ?? 1);
+  }
+
+  private draw(): void {
+    for (const chart of this.drawn) chart.dispose();
+    this.drawn = this.profiles.map((profile) => new ProfileChart(profile, this.theme, this.seek));
+    this.charts.replaceChildren(...this.drawn.map((chart) => chart.node));
+  }
+}

@@ -1,0 +1,84 @@
+// The view of a database: map of states, layers, Table I.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { checkAccessibility, newPage, shown } from './support/browser.mjs';
+import { call } from './support/server.mjs';
+import { setup } from './support/setup.mjs';
+import { placesOf, readMap } from './support/state_map.mjs';
+
+async function open(t, query = '', options = {}) {
+  const page = await newPage(t, options);
+  await page.goto(`${setup.open}/#/database/demo${query}`);
+  await shown(page);
+  await page.locator('.map-controls output', { hasText: 'Layer' }).waitFor();
+  return page;
+}
+
+test('a node is where the camera projects the mean that the server sends', async (t) => {
+  const eye = [2, -7, 4];
+  const page = await open(t, `?layer=5&camera=${eye.join(',')},0,0,0`);
+  const map = await readMap('demo', 5, 20000);
+  const box = await page.locator('.map canvas').boundingBox();
+  const places = placesOf(map, eye, box.width, box.height);
+  const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
+  const alone = places.map((place) =>
+    places.reduce((least, other) => (other === place ? least : Math.min(least, distance(place, other))), Infinity),
+  );
+  const clear = [...alone.keys()].sort((a, b) => alone[b] - alone[a]).slice(0, 4);
+  for (const node of clear) {
+    await page.mouse.move(box.x + places[node].x, box.y + places[node].y);
+    const text = `Node ${map.ids[node]} of layer 5:`;
+    await page.locator('.node-panel', { hasText: text }).waitFor();
+  }
+  await page.locator('.node-panel svg.pose .marker').first().waitFor();
+});
+
+test('keys and slider change the layer, and the URL has it', async (t) => {
+  const page = await open(t, '?layer=4');
+  await page.locator('.map canvas').press(']');
+  await page.locator('output', { hasText: 'Layer 5 of' }).waitFor();
+  assert.match(page.url(), /layer=5/);
+  await page.getByRole('slider', { name: 'Layer' }).press('ArrowLeft');
+  await page.locator('output', { hasText: 'Layer 4 of' }).waitFor();
+});
+
+test('Table I has the statistics of the server', async (t) => {
+  const page = await open(t);
+  const { body } = await call(setup.open, 'DatabaseService/GetDatabase', {
+    name: 'databases/demo',
+    view: 'DATABASE_VIEW_FULL',
+  });
+  const { statistics } = body.database;
+  const row = (name) => page.locator('table.properties tr', { hasText: name }).locator('td');
+  await row('Nodes in the bottom layer').waitFor();
+  const number = (value) => value.toLocaleString('en-GB');
+  assert.equal(await row('Clips').first().textContent(), number(statistics.clipCount));
+  assert.equal(
+    await row('Nodes in the bottom layer').textContent(),
+    number(statistics.bottomNodeCount),
+  );
+});
+
+test('without WebGL a flat map and the tables work', async (t) => {
+  const page = await newPage(t);
+  await page.addInitScript(() => {
+    const original = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      return kind.startsWith('webgl') ? null : original.call(this, kind, ...more);
+    };
+  });
+  await page.goto(`${setup.open}/#/database/demo?layer=4&axes=12`);
+  await page.locator('.flat-map canvas').waitFor();
+  await page.getByText('Nodes as a table').click();
+  await page.locator('.node-list tbody button').first().click();
+  await page.locator('.node-panel svg.pose').waitFor();
+  assert.match(page.url(), /node=\d/);
+});
+
+for (const colorScheme of ['light', 'dark']) {
+  test(`axe reports nothing in the ${colorScheme} theme`, async (t) => {
+    const page = await open(t, '?layer=4', { colorScheme });
+    await page.locator('.axis-ends svg').first().waitFor();
+    await checkAccessibility(page);
+  });
+}

@@ -1,0 +1,156 @@
+// Login with the form, logout, a token that is revoked during use, and requests that other sites
+// forge.
+import assert from 'node:assert/strict';
+import { createServer } from 'node:http';
+import { test } from 'node:test';
+import { logIn, newPage, shown } from './support/browser.mjs';
+import { call, createToken, revokeToken } from './support/server.mjs';
+import { setup } from './support/setup.mjs';
+
+const refused = [/status of 401/, /status of 403/];
+
+async function databases() {
+  const { body } = await call(setup.secure, 'DatabaseService/ListDatabases', {});
+  return (body.databases ?? []).map((database) => database.name);
+}
+
+test('a wrong token is refused with the reason', async (t) => {
+  const page = await newPage(t, { expected: refused });
+  await page.goto(`${setup.secure}/`);
+  await logIn(page, 'mdb_0123456789ab_wrong');
+  await page.getByText('the token is not one of this server').waitFor();
+  assert.deepEqual(await page.context().cookies(), []);
+});
+
+test('login, reload, logout', async (t) => {
+  const { secret, name } = await createToken('ROLE_READER');
+  const page = await newPage(t);
+  await page.goto(`${setup.secure}/`);
+  await logIn(page, secret);
+  await page.getByText(name).first().waitFor();
+  const [cookie] = await page.context().cookies();
+  assert.equal(cookie.httpOnly, true);
+  assert.equal(cookie.sameSite, 'Strict');
+  assert.equal(cookie.path, '/');
+  assert.equal(await page.evaluate(() => document.cookie), '');
+  const stored = await page.evaluate(
+    () => JSON.stringify({ ...localStorage }) + JSON.stringify({ ...sessionStorage }),
+  );
+  assert.ok(!stored.includes(secret));
+  assert.ok(!(await page.content()).includes(secret));
+  await page.reload();
+  await page.getByText(name).first().waitFor();
+  await page.getByRole('button', { name: 'Log out' }).click();
+  await page.locator('input[name=token]').waitFor();
+  assert.deepEqual(await page.context().cookies(), []);
+});
+
+test('a revoked token ends the session', async (t) => {
+  const { secret, name } = await createToken('ROLE_READER');
+  const page = await newPage(t, { expected: refused });
+  await page.goto(`${setup.secure}/`);
+  await logIn(page, secret);
+  await page.getByText(name).first().waitFor();
+  await revokeToken(name);
+  const status = await page.evaluate(async () => {
+    const response = await fetch('/motiondb.v1.DatabaseService/ListDatabases', {
+      method: 'POST',
+      headers: { 'content-type': 'application/json', 'connect-protocol-version': '1' },
+      body: '{}',
+    });
+    return response.status;
+  });
+  assert.equal(status, 401);
+  await page.reload();
+  await page.locator('input[name=token]').waitFor();
+  assert.deepEqual(await page.context().cookies(), []);
+});
+
+// The other site has another port of the same host: SameSite=Strict does not keep the cookie back.
+test('forged requests of other origins change nothing', async (t) => {
+  const page = await newPage(t, { expected: [/.*/] });
+  await page.goto(`${setup.secure}/`);
+  await logIn(page, setup.adminToken);
+  await page.waitForFunction(() => document.querySelector('input[name=token]') === null);
+  const target = `${setup.secure}/motiondb.v1.DatabaseService/CreateDatabase`;
+  const site = createServer((_, response) => {
+    response.setHeader('content-type', 'text/html');
+    response.end(
+      `<form id=f method=post enctype=text/plain action="${target}">` +
+        `<input name='{"databaseId":"forged-form","x":"' value='"}'></form>`,
+    );
+  });
+  await new Promise((resolve) => site.listen(0, '127.0.0.1', resolve));
+  t.after(() => site.close());
+  const foreign = `http://127.0.0.1:${site.address().port}/`;
+  await page.goto(foreign);
+  const outcomes = await page.evaluate(async (url) => {
+    const body = JSON.stringify({ databaseId: 'forged-fetch' });
+    const attempt = (options) =>
+      fetch(url, { method: 'POST', credentials: 'include', body, ...options }).then(
+        (response) => response.type,
+        () => 'refused',
+      );
+    return [
+      await attempt({ mode: 'no-cors', headers: { 'content-type': 'text/plain' } }),
+      await attempt({ headers: { 'content-type': 'application/json' } }),
+      await attempt({
+        headers: { 'content-type': 'application/json', 'connect-protocol-version': '1' },
+      }),
+    ];
+  }, target);
+  assert.deepEqual(outcomes, ['opaque', 'refused', 'refused']);
+  const [response] = await Promise.all([
+    page.waitForResponse((candidate) => candidate.url() === target),
+    page.evaluate(() => document.querySelector('#f').submit()),
+  ]);
+  assert.equal(response.status(), 415);
+  assert.deepEqual(await databases(), []);
+
+  // What a browser cannot send, refused too: the cookie with the Origin of another site.
+  const [cookie] = await page.context().cookies(setup.secure);
+  const forged = (headers) =>
+    fetch(target, {
+      method: 'POST',
+      headers: {
+        cookie: `${cookie.name}=${cookie.value}`,
+        'content-type': 'application/json',
+        ...headers,
+      },
+      body: JSON.stringify({ databaseId: 'forged' }),
+    });
+  for (const headers of [
+    {},
+    { 'connect-protocol-version': '1', origin: 'https://evil.example' },
+    { 'connect-protocol-version': '1', origin: foreign.slice(0, -1) },
+  ]) {
+    const answer = await forged(headers);
+    assert.equal(answer.status, 403);
+    assert.equal((await answer.json()).code, 'permission_denied');
+  }
+  assert.deepEqual(await databases(), []);
+});
+
+test('the page cannot be framed by another site', async (t) => {
+  const page = await newPage(t, { expected: [/.*/] });
+  const site = createServer((_, response) => {
+    response.setHeader('content-type', 'text/html');
+    response.end(`<iframe src="${setup.open}/"></iframe>`);
+  });
+  await new Promise((resolve) => site.listen(0, '127.0.0.1', resolve));
+  t.after(() => site.close());
+  await page.goto(`http://127.0.0.1:${site.address().port}/`);
+  await page.waitForTimeout(500);
+  assert.ok(page.frames().every((frame) => !frame.url().startsWith(setup.open)));
+});
+
+test('two browsers have sessions of their own', async (t) => {
+  const reader = await createToken('ROLE_READER');
+  const first = await newPage(t);
+  const second = await newPage(t);
+  for (const page of [first, second]) await page.goto(`${setup.secure}/`);
+  await logIn(first, reader.secret);
+  await first.getByText(reader.name).first().waitFor();
+  await shown(second);
+  assert.equal(await second.locator('input[name=token]').count(), 1);
+});

@@ -1,0 +1,89 @@
+// A browser for the tests of one file. Every page reports errors of its console, exceptions and
+// requests to foreign hosts; a test fails if there is one that it does not expect.
+import assert from 'node:assert/strict';
+import { after } from 'node:test';
+import { requirePackage, setup } from './setup.mjs';
+
+const { chromium } = requirePackage('playwright-core');
+const axe = requirePackage('axe-core');
+
+let browser;
+
+async function launch() {
+  browser ??= await chromium.launch({
+    executablePath: setup.chromium,
+    args: [
+      ...(process.getuid?.() === 0 ? ['--no-sandbox'] : []),
+      '--use-gl=angle',
+      '--use-angle=swiftshader',
+      '--enable-unsafe-swiftshader',
+      '--disable-gpu-vsync',
+      '--disable-dev-shm-usage',
+    ],
+  });
+  return browser;
+}
+
+after(async () => {
+  await browser?.close();
+});
+
+/**
+ * Opens a page without a URL. `expected`: patterns of errors that the test provokes. `options`: of
+ * browser.newContext, for example {colorScheme: 'dark', viewport: {width: 800, height: 600}}.
+ */
+export async function newPage(t, { expected = [], context, ...options } = {}) {
+  const owner = context ?? (await (await launch()).newContext(options));
+  const page = await owner.newPage();
+  const errors = [];
+  const report = (error) => {
+    if (!expected.some((pattern) => pattern.test(error))) errors.push(error);
+  };
+  page.on('console', (message) => {
+    const level = message.type();
+    if (level === 'error' || level === 'warning')
+      report(`console ${level}: ${message.text()} (${message.location().url})`);
+  });
+  page.on('pageerror', (error) => report(`exception: ${error.stack ?? error}`));
+  page.on('dialog', (dialog) => {
+    report(`dialog: ${dialog.message()}`);
+    void dialog.dismiss();
+  });
+  page.on('request', (request) => {
+    const url = new URL(request.url());
+    const own = [setup.open, setup.secure].includes(url.origin) || url.protocol === 'blob:';
+    if (!own && url.protocol !== 'data:') report(`request to a foreign host: ${url.href}`);
+  });
+  t.after(async () => {
+    if (context === undefined) await owner.close();
+    else await page.close();
+    assert.deepEqual(errors, []);
+  });
+  return page;
+}
+
+// Waits until the page has drawn its frame: navigation or login.
+export async function shown(page) {
+  await page.locator('main').waitFor();
+  await page.waitForFunction(() => (document.querySelector('main')?.childElementCount ?? 0) > 0);
+}
+
+// Fails if axe finds a violation of WCAG 2.2 A or AA, or of its best practices.
+export async function checkAccessibility(page) {
+  await page.evaluate(axe.source);
+  const violations = await page.evaluate(async () => {
+    const result = await globalThis.axe.run(document);
+    return result.violations.map(
+      (violation) =>
+        `${violation.id}: ${violation.help}: ` +
+        violation.nodes.map((node) => `${node.html} ${node.failureSummary}`).join('; '),
+    );
+  });
+  assert.deepEqual(violations, []);
+}
+
+// Logs in with the form of the page.
+export async function logIn(page, token) {
+  await page.locator('input[name=token]').fill(token);
+  await page.locator('button[type=submit]').click();
+}

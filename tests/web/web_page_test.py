@@ -1,0 +1,134 @@
+#!/usr/bin/python3
+"""Tests the web page in a browser: real servers, real motion, Chromium.
+
+    web_page_test.py MOTIONDBD MOTIONDB DATA_FOLDER PAGE_FOLDER [TEST...]
+
+TEST: name of a file here without .test.mjs, for example session; otherwise all. The test files get
+the servers in MOTIONDB_WEB_TEST (support/setup.mjs). Exit code 77: skipped.
+"""
+
+import glob
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.normpath(os.path.join(HERE, "../.."))
+PAGE, TESTS = sys.argv[4], sys.argv[5:]
+del sys.argv[4:]
+sys.path.insert(0, os.path.join(ROOT, "tests/e2e"))
+
+import programs  # noqa: E402
+
+TIME_LIMIT = 225 * programs.SLOWNESS  # seconds for everything
+ADMIN_TOKEN = "a-token-of-the-administrator"
+# As text these are harmless; as HTML or script they run.
+HOSTILE = "<img src=x onerror=\"window.hacked=1\"><script>window.hacked=1</script>'\"&"
+
+
+def skip(reason):
+    print(f"skipped: {reason}")
+    sys.exit(77)
+
+
+def find_chromium():
+    for name in ("chromium", "chromium-browser", "google-chrome"):
+        if path := shutil.which(name):
+            return path
+    return skip("Chromium is missing (deploy/install_packages.sh web-test)")
+
+
+def check_requirements():
+    if shutil.which("node") is None:
+        skip("node is missing (deploy/install_packages.sh web)")
+    if not os.path.exists(os.path.join(PAGE, "index.html")):
+        skip(f"the page is not built: no index.html in {PAGE} (build the target web)")
+    if not os.path.isdir(os.path.join(ROOT, "client/web/node_modules/playwright-core")):
+        skip("the packages of client/web are not installed (build the target web)")
+    if not os.path.isdir(programs.MODELS):
+        skip(f"no motion in {programs.MODELS} (deploy/install_packages.sh test)")
+
+
+def run(server, *arguments):
+    result = server.run(*arguments)
+    if result.returncode != 0:
+        sys.exit(f"web_page_test: motiondb {' '.join(arguments)}: {result.stderr}")
+
+
+def load_motion(server):
+    """Stores a database `demo` with a model, and `hostile`, whose label is HTML."""
+    models = programs.MODELS
+    run(server, "create", "demo")
+    for file, label in (("01_01", "jump"), ("01_03", "climb"), ("Boxing_Toes", "boxing")):
+        run(server, "ingest", "demo", f"{models}/{file}.bvh", "--label", label)
+    run(server, "create", "hostile")
+    run(server, "ingest", "hostile", f"{models}/01_01.bvh", "--label", HOSTILE)
+    # Recorded clips with many markers, where they are.
+    index = os.path.join(programs.DATA, "index.tsv")
+    return os.path.exists(index)
+
+
+def start_servers(folder):
+    def options(name):
+        return (os.path.join(folder, f"{name}.db"), "--web-listen", "127.0.0.1:0", "--web-root", PAGE)
+
+    open_server = programs.Server(*options("open"))
+    token_file = os.path.join(folder, "token")
+    with open(os.open(token_file, os.O_CREAT | os.O_WRONLY, 0o600), "w") as file:
+        file.write(ADMIN_TOKEN + "\n")
+    secure = programs.Server(*options("secure"), "--authentication", "token", "--admin-token-file",
+                             token_file)
+    return open_server, secure
+
+
+def run_tests(setup, deadline):
+    names = TESTS or sorted(os.path.basename(path).removesuffix(".test.mjs")
+                            for path in glob.glob(os.path.join(HERE, "*.test.mjs")))
+    failed = []
+    for name in names:
+        began = time.monotonic()
+        print(f"== {name}", flush=True)
+        try:
+            result = subprocess.run(
+                ["node", "--test-reporter=spec", os.path.join(HERE, f"{name}.test.mjs")],
+                env=os.environ | {"MOTIONDB_WEB_TEST": json.dumps(setup)},
+                timeout=max(1, deadline - began))
+            passed = result.returncode == 0
+        except subprocess.TimeoutExpired:
+            print(f"{name}: not finished after {TIME_LIMIT} s in total", flush=True)
+            passed = False
+        print(f"== {name}: {'passed' if passed else 'FAILED'} in "
+              f"{time.monotonic() - began:.1f} s", flush=True)
+        if not passed:
+            failed.append(name)
+    return failed
+
+
+def main():
+    deadline = time.monotonic() + TIME_LIMIT
+    chromium = find_chromium()
+    check_requirements()
+    with tempfile.TemporaryDirectory() as folder:
+        open_server, secure = start_servers(folder)
+        try:
+            has_recorded = load_motion(open_server)
+            setup = {"open": open_server.web, "secure": secure.web, "adminToken": ADMIN_TOKEN,
+                     "openAddress": open_server.address, "secureAddress": secure.address,
+                     "motiondb": programs.MOTIONDB, "models": programs.MODELS,
+                     "data": programs.DATA if has_recorded else "", "chromium": chromium,
+                     "hostile": HOSTILE, "root": ROOT, "folder": folder}
+            failed = run_tests(setup, deadline)
+        finally:
+            for server in (open_server, secure):
+                server.stop()
+    if failed:
+        sys.exit(f"web_page_test: failed: {', '.join(failed)}")
+    print("web_page_test: passed")
+
+
+if __name__ == "__main__":
+    main()

@@ -14,11 +14,15 @@ build=(
   libzip-dev       # motiondb-import reads NPZ files, which are ZIP archives
   libtinyxml2-dev  # URDF files are XML
   libtomlplusplus-dev # the configuration file is TOML
+  libcairo2-dev    # pictures as SVG and PNG from one drawing code: cairo draws the PNG
   nlohmann-json3-dev # log lines as JSON, and the results of motiondb_eval
   prometheus-cpp-dev # metrics: counters, histograms and their text format (its HTTP server is not used)
   python3          # generates manual pages and completions from --help
   file             # dpkg-shlibdeps: dependencies of the package
   dpkg-dev
+)
+web=(
+  nodejs npm       # build the web page; their packages are in client/web/package-lock.json
 )
 test=(
   catch2 clang-format
@@ -47,6 +51,9 @@ lint=(
   clang            # thread safety analysis of mutexes
   clang-tidy       # checks changed sources
 )
+web_test=(
+  chromium         # the browser of tests/web
+)
 deploy_test=(       # additional packages for tests/deploy
   debootstrap       # Debian systems for the package and the image
   buildah           # builds and runs the image without a container engine
@@ -65,13 +72,15 @@ wanted=()
 for purpose in "$@"; do
   case "$purpose" in
     build) wanted+=("${build[@]}") ;;
+    web) command -v npm >/dev/null || wanted+=("${web[@]}") ;;  # npm of another source suffices
+    web-test) wanted+=("${web_test[@]}") ;;
     test) wanted+=("${test[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
     fuzz) wanted+=("${fuzz[@]}") ;;
     lint) wanted+=("${lint[@]}") ;;
     deploy-test) wanted+=("${deploy_test[@]}") ;;
     */*.deb) wanted+=("$purpose") ;;
-    *) echo "install_packages.sh: expected build, test, demo, fuzz, lint, deploy-test or a path of a .deb file, got '$purpose'" >&2; exit 2 ;;
+    *) echo "install_packages.sh: expected build, web, test, web-test, demo, fuzz, lint, deploy-test or a path of a .deb file, got '$purpose'" >&2; exit 2 ;;
   esac
 done
 

@@ -34,8 +34,10 @@ else
   cmake --preset release -B build/quickstart -DMOTIONDB_BUILD_TESTS=OFF \
     -DCMAKE_RUNTIME_OUTPUT_DIRECTORY="$programs" >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
   stage "building in build/quickstart"
-  NINJA_STATUS='  [%f of %t, %es] ' cmake --build build/quickstart --target \
-    motiondb motiondbd motiondb-import motiondb_manuals
+  targets=(motiondb motiondbd motiondb-import motiondb_manuals)
+  # The web page.
+  if command -v node >/dev/null && command -v npm >/dev/null; then targets+=(web); fi
+  NINJA_STATUS='  [%f of %t, %es] ' cmake --build build/quickstart --target "${targets[@]}"
 fi
 stage "running the demo"
 ./deploy/demo/demo.sh "$programs" build/quickstart/demo

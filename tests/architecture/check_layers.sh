@@ -22,6 +22,7 @@ declare -A may_include=(
   [core/observe]="core/observe core/prediction core/estimation core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/calibration]="core/calibration core/prediction core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/planning]="core/planning core/kinematics core/recognition core/inference core/model core/graph core/tree core/motion"
+  [core/view]="core/view core/planning core/kinematics core/recognition core/inference core/model core/graph core/tree core/motion"
   [import]="import core storage/blob text"
   [storage]="storage core"
   [server]="server import/launch.h storage core text motiondb/v1"

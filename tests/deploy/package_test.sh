@@ -33,6 +33,7 @@ for library in libgrpc++ libprotobuf libsqlite3 libspdlog; do
   dpkg-deb --field "$package" Depends | grep -q "$library" || fail "does not depend on $library"
 done
 
+dpkg-deb --contents "$package" | grep -q ' ./usr/share/motiondb/web/index.html$' || fail "no web page"
 [[ $(dpkg-deb --field "$package" Maintainer) == *\ \<*@*\> ]] || fail "no maintainer"
 
 echo "== installed by apt"
@@ -58,7 +59,7 @@ echo "== server and queries, as the user of the service"
 # Each command replaces itself by the next, so $! is the process id of the server.
 chroot "$root" setpriv --reuid motiondb --regid motiondb --clear-groups \
   motiondbd --config /etc/motiondb/motiondbd.conf --listen 127.0.0.1:0 \
-  --log-level error >"$work/address" &
+  --web-listen 127.0.0.1:0 --log-level error >"$work/address" &
 server=$!
 for _ in $(seq 100); do
   ! grep -q listening "$work/address" || break
@@ -66,6 +67,9 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 address=$(sed -n 's/.*listening on //p' "$work/address")
+web=$(sed -n 's/.*HTTP API at //p' "$work/address")
+python3 -c 'import sys, urllib.request
+sys.exit(b"<title>motiondb" not in urllib.request.urlopen(sys.argv[1]).read())' "$web" || fail "no web page at $web"
 "$here/walk.py" 6 1 >"$root/tmp/walk.bvh"
 "$here/walk.py" 6 2 >"$root/tmp/run.bvh"
 ask() {

@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import threading
+import time
 
 from command_line import CommandLine
 from programs import MOTIONDB, Server, main
@@ -113,6 +114,24 @@ class Updates(Annotations):
         self.assertEqual(clip["fields"], {"weight": {"number": 70}, "run": {"text": "07"}})
 
 
+    def test_an_ingest_stores_annotations_in_the_same_edit(self):
+        self.server.ask_one("delete", "walks", "clip0")
+        revision = self.revision()
+        options = ("--title", "A step", "--description", "Long.", "--tag", "slow", "--tag", "outdoor",
+                   "--field", "weight=70", "--field", "run:text=07")
+        self.server.ask("ingest", "walks", self.files[0], "--label", "step", "--no-wait", *options)
+        clip = self.clip("clip0")
+        self.assertEqual((clip["title"], clip["description"], clip["tags"]), ("A step", "Long.", ["outdoor", "slow"]))
+        self.assertEqual(clip["fields"], {"weight": {"number": 70}, "run": {"text": "07"}})
+        self.assertEqual(int(clip["etag"]), revision + 1)  # one change, not one for each annotation
+        # A replaced clip keeps what is not given.
+        self.server.ask("ingest", "walks", self.files[0], "--replace", "--title", "Another", "--no-wait")
+        clip = self.clip("clip0")
+        self.assertEqual((clip["title"], clip["description"], clip["tags"]), ("Another", "Long.", ["outdoor", "slow"]))
+        self.assertEqual((clip["label"], clip["fields"]["weight"]), ("step", {"number": 70}))
+        self.refuse("header.tags[0]", "ingest", "walks", self.files[0], "--replace", "--tag", "Not good", code=1)
+
+
 class Selection(Annotations):
     def setUp(self):
         super().setUp()
@@ -149,7 +168,7 @@ class Selection(Annotations):
             self.server.ask_one(command, "walks", seen, "--filter", 'label = "sit"')
         self.server.ask("observe", "walks", seen, "--frames-per-message", "60", "--filter", 'label = "sit"')
         self.server.ask_one("plan", "walks", "--goal", "0.1,0,0", "--tolerance", "1,1", "--filter", 'label = "big step"')
-        for command in ("recognize", "estimate", "predict"):
+        for command in ("recognize", "estimate", "predict", "find"):
             self.refuse("", command, "walks", seen, "--filter", 'label = "none"', code=1)
 
     def test_a_query_waits_for_a_revision(self):
@@ -282,7 +301,10 @@ class History(Annotations):
 
 class Watching(Annotations):
     def start_watch(self, *options):
-        process = subprocess.Popen([MOTIONDB, "--server", self.server.address, "--json", "watch", "walks", *options],
+        return self.start("watch", "walks", *options)
+
+    def start(self, *arguments):
+        process = subprocess.Popen([MOTIONDB, "--server", self.server.address, "--json", *arguments],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.stderr.close)
@@ -337,6 +359,26 @@ class Watching(Annotations):
         process = self.start_watch()
         self.server.run("delete", "walks", "--yes")
         self.assertEqual(process.wait(timeout=60), 1)
+
+    def test_a_running_stream_is_listed_and_watched(self):
+        self.assertEqual(self.server.ask("streams", "list", "walks"), [])
+        self.start("observe", "walks", self.files[0], "--realtime", "--rate-multiplier", "0.2")
+        while not self.server.ask("streams", "list", "walks"):
+            time.sleep(0.1)
+        stream, = self.server.ask("streams", "list", "walks")
+        self.assertEqual(stream["frame_rate_hz"], 60)
+        number = short(stream["name"]).rsplit("/", 1)[1]
+        self.assertIn("STARTED", self.show("streams", "list", "walks"))
+        watching = self.start("streams", "watch", "walks", number)
+        first, *answers = [json.loads(line) for line in watching.stdout]
+        self.assertEqual(watching.wait(timeout=60), 0)
+        self.assertEqual(first["stream"]["name"], stream["name"])
+        frames = [int(answer["answer"]["frame"]) for answer in answers]
+        skipped = [int(answer["skipped_count"]) for answer in answers]
+        self.assertEqual(frames[-1], 119)
+        self.assertEqual(frames[1:], [before + 1 + left_out for before, left_out in zip(frames, skipped[1:])])
+        self.assertEqual(len(answers[-1]["marker_positions"]) % 3, 0)
+        self.refuse("", "streams", "watch", "walks", number, code=1)
 
     def test_names_are_completed_and_suggested(self):
         self.server.ask_one("segments", "add", "walks", "clip0", "--from", "0", "--label", "bag", "--track", "carries",

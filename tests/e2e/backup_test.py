@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests backup, restore and verify with the real programs.
+"""Tests backup, restore, verify, and export and import of databases with the real programs.
 
     backup_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -8,12 +8,14 @@ import contextlib
 import glob
 import json
 import os
+import signal
 import sqlite3
 import subprocess
 import threading
+import time
 
 from figure import write_bvh
-from programs import MOTIONDBD, Server, WithServer, main
+from programs import MOTIONDB, MOTIONDBD, Server, WithServer, main
 
 
 class Backup(WithServer):
@@ -30,17 +32,20 @@ class Backup(WithServer):
             write_bvh(paths[-1], seed)
         server.ask("ingest", "d", *paths, "--label", "moves")
 
-    def answers(self, server):
-        """Returns answers of a server without durations."""
-        described = server.ask_one("describe", "d")
+    def answers(self, server, name="d"):
+        """Returns answers of a server without durations, and with "d" as name of the database."""
+        described = server.ask_one("describe", name)
         described.pop("build_seconds")
-        plan = server.ask_one("plan", "d", "--start", "clip0@0.1", "--goal", "0.8,0,0", "--seed", "3")
+        plan = server.ask_one("plan", name, "--start", "clip0@0.1", "--goal", "0.8,0,0", "--seed", "3")
         self.assertEqual(plan["outcome"], "EXACT")  # not cut short by the time limit
         del plan["effort"]["search_seconds"], plan["effort"]["total_seconds"]
-        return [described, server.ask("list", "d"), plan,
-                server.ask_one("recognize", "d", self.path("seen.bvh")),
-                server.ask_one("estimate", "d", self.path("seen.bvh")),
-                server.ask_one("predict", "d", self.path("seen.bvh"), "--at", "0.5")]
+        answers = [described, server.ask("list", name), plan,
+                   server.ask_one("recognize", name, self.path("seen.bvh")),
+                   server.ask_one("estimate", name, self.path("seen.bvh")),
+                   server.ask_one("predict", name, self.path("seen.bvh"), "--at", "0.5"),
+                   server.ask("segments", "list", name), server.ask("history", name),
+                   sorted(match["clip"]["name"] for match in server.ask("search", name, "clip*"))]
+        return json.loads(json.dumps(answers).replace(f"databases/{name}", "databases/d"))
 
     def test_force_does_not_replace_the_store_itself(self):
         size = os.path.getsize(self.store)
@@ -84,6 +89,106 @@ class Backup(WithServer):
             again = other.run("restore", backup)
             self.assertNotEqual(again.returncode, 0)
             self.assertIn("empty store", again.stderr)
+        finally:
+            other.stop()
+
+    def test_an_imported_database_gives_the_same_answers(self):
+        self.server.ask("update", "d", "clip1", "--title", "A walk", "--label", "walks")
+        self.server.ask("segments", "add", "d", "clip2", "--from", "0", "--to", "0.5", "--label",
+                        "jumps", "--track", "feet")
+        for operation in self.server.ask("operations", "list", "d"):
+            self.server.run("operations", "wait", operation["name"].split("/")[-1])
+        file = self.path("d.motiondb")
+        saved = self.server.ask_one("export-database", "d", file)
+        self.assertEqual(saved["total_bytes"], os.path.getsize(file))
+        self.assertIn("already exists", self.server.run("export-database", "d", file).stderr)
+        self.server.ask_one("export-database", "d", file, "--force")
+        expected = self.answers(self.server)
+        self.assertEqual(self.server.ask_one("import-database", file, "--as", "copy"),
+                         {"name": "databases/copy", "clip_count": 6})
+        self.assertEqual(self.answers(self.server, "copy"), expected)
+        refused = self.server.run("import-database", file)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("database 'd' already exists", refused.stderr)
+        other = Server(self.path("other.db"))
+        try:
+            other.ask_one("create", "before")
+            self.assertIn("imported d, 6 clips", other.run("import-database", file).stdout)
+            self.assertEqual(self.answers(other), expected)
+            self.assertEqual(other.run("verify").returncode, 0)
+            other.stop()
+            other = Server(self.path("other.db"))
+            self.assertEqual(self.answers(other), expected)
+            # Its history goes on.
+            last = other.ask("history", "d")[0]["name"].split("/")[-1]
+            other.ask("undo", "d", last)
+            self.ingest(other, 50)
+            self.assertEqual(len(other.ask("list", "d")), 7)
+            self.assertEqual(len(self.server.ask("list", "d")), 6)
+        finally:
+            other.stop()
+        third = Server(self.path("third.db"))
+        try:
+            self.assertEqual(third.ask_one("restore", file), {"database_count": 1, "clip_count": 6})
+            self.assertEqual(self.answers(third), expected)
+        finally:
+            third.stop()
+
+    def test_a_wrong_file_is_not_imported(self):
+        file = self.path("d.motiondb")
+        self.server.ask_one("export-database", "d", file)
+        with open(file, "rb") as exported:
+            good = exported.read()
+        self.server.ask_one("create", "second")
+        self.server.ask_one("backup", self.path("two.mdb"))
+        with open(self.path("two.mdb"), "rb") as two:
+            backup_of_two = two.read()
+        log = open(self.path("log"), "w+")
+        other = Server(self.path("other.db"), log=log)
+        try:
+            other.ask_one("create", "before")
+            for wrong, expected in ((good[:-100], "cut off"), (b"not at all", "not a backup"),
+                                    (b"", "the exported database is empty"),
+                                    (good[:5000] + b"\0\1\2\3" + good[5004:], "checksum"),
+                                    (backup_of_two, "the file has 2 databases")):
+                with open(self.path("wrong.mdb"), "wb") as wrong_file:
+                    wrong_file.write(wrong)
+                refused = other.run("import-database", self.path("wrong.mdb"), "--as", "new")
+                self.assertEqual(refused.returncode, 1)
+                self.assertIn(expected, refused.stderr)
+                self.assertEqual(len(other.ask("list")), 1)
+            self.assertIn("restore", other.run("import-database", self.path("two.mdb")).stderr)
+            log.seek(0)
+            self.assertEqual(log.read(), "")
+        finally:
+            other.stop()
+            log.close()
+        refused = self.server.run("export-database", "d", self.store, "--force")
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("is or was a server's store", refused.stderr)
+        missing = self.server.run("export-database", "none", self.path("none.mdb"))
+        self.assertIn("database 'none' does not exist", missing.stderr)
+        self.assertFalse(os.path.exists(self.path("none.mdb")))
+
+    def test_a_killed_import_leaves_nothing_visible(self):
+        file = self.path("d.motiondb")
+        self.server.ask_one("export-database", "d", file)
+        other = Server(self.path("other.db"))
+        try:
+            for delay in (0.001, 0.01, 0.03, 0.1):
+                importer = subprocess.Popen(
+                    [MOTIONDB, "--server", other.address, "import-database", file],
+                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                time.sleep(delay)
+                other.stop(signal.SIGKILL)
+                importer.wait()
+                other = Server(self.path("other.db"))
+                for _ in other.ask("list"):  # it was stored before the kill
+                    self.assertEqual(self.answers(other), self.answers(self.server))
+                    other.ask("delete", "--yes", "d")
+            other.ask_one("import-database", file)
+            self.assertEqual(self.answers(other), self.answers(self.server))
+            self.assertEqual(other.run("verify").returncode, 0)
         finally:
             other.stop()
 

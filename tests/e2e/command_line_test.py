@@ -37,8 +37,8 @@ class Options(CommandLine):
                 ("unknown command: pln; did you mean 'plan'?", "help", "pln"),
                 ("unexpected argument: more", "describe", "walks", "more"),
                 ("'.fbx' is no format", "plan", "walks", "--goal", "1,0,0", "--out", "plan.fbx"),
-                ("FILE.svg", "plan", "walks", "--goal", "1,0,0", "--plot", "plan.png"),
-                ("FILE.svg", "recognize", "walks", seen, "--plot", "answer.png"),
+                ("FILE.svg", "plan", "walks", "--goal", "1,0,0", "--plot", "plan.pdf"),
+                ("FILE.svg", "recognize", "walks", seen, "--plot", "answer.pdf"),
                 ("need one file", "recognize", "walks", *self.files, "--plot", "answer.svg"),
                 ("no format", "export", "walks", "clip0", "--as", "fbx"),
                 ("no format", "convert", seen, self.path("x.txt")),
@@ -130,7 +130,8 @@ class Files(CommandLine):
         for file in self.files[:2]:
             shutil.copy(file, folder)
         names = [os.path.join(folder, os.path.basename(file)) for file in self.files[:2]]
-        for command in (["recognize", "walks"], ["estimate", "walks"], ["predict", "walks", "--at", "1"]):
+        for command in (["recognize", "walks"], ["estimate", "walks"], ["predict", "walks", "--at", "1"],
+                        ["find", "walks"]):
             alone = [self.server.ask_one(*command, name) for name in names]
             self.assertNotIn("file", alone[0])
             expected = [{"file": name, **answer} for name, answer in zip(names, alone)]
@@ -146,7 +147,7 @@ class Files(CommandLine):
     def test_a_bad_file_does_not_stop_the_others(self):
         bad = self.path("empty.bvh")
         open(bad, "w", encoding="ascii").close()
-        for command in (["recognize", "walks"], ["estimate", "walks"], ["predict", "walks"]):
+        for command in (["recognize", "walks"], ["estimate", "walks"], ["predict", "walks"], ["find", "walks"]):
             result = self.server.run("--json", *command, bad, self.files[0], self.path("none.bvh"))
             self.assertEqual(result.returncode, 1)
             self.assertEqual([json.loads(line)["file"] for line in result.stdout.splitlines()], [self.files[0]])

@@ -65,6 +65,30 @@ class AnyMachine(WithServer):
         times = [p["at_seconds"] for p in series]
         self.assertEqual(times, sorted(times))
 
+    def test_find_similar_parts(self):
+        self.ingest("01_01", "01_03", "Boxing_Toes")
+        own = self.server.ask_one("find", "demo", "--clip", "Boxing_Toes@3.1-4.35", "--top", "3")["matches"]
+        self.assertEqual(len(own), 3)
+        self.assertTrue(own[0]["clip"].endswith("/Boxing_Toes"))
+        self.assertAlmostEqual(own[0]["start_seconds"], 3.1, delta=0.01)
+        self.assertAlmostEqual(own[0]["end_seconds"], 4.35, delta=0.01)
+        self.assertAlmostEqual(own[0]["score"], 1, places=3)
+        scores = [match["score"] for match in own]
+        self.assertEqual(scores, sorted(scores, reverse=True))
+
+        seen = self.server.ask_one("find", "demo", f"{MODELS}/01_01.bvh", "--from", "2", "--to", "3")["matches"]
+        self.assertEqual(len(seen), 10)
+        self.assertTrue(seen[0]["clip"].endswith("/01_01"))
+        self.assertAlmostEqual(seen[0]["start_seconds"], 2, delta=0.05)
+        self.assertAlmostEqual(seen[0]["end_seconds"], 3, delta=0.05)
+        self.assertGreater(seen[0]["score"], 0.9)
+        masked = self.server.ask_one("find", "demo", f"{MODELS}/01_01.bvh", "--filter", 'name != "01_01"')["matches"]
+        self.assertEqual([m for m in masked if m["clip"].endswith("/01_01")], [])
+        self.assertIn("SCORE", self.server.run("find", "demo", f"{MODELS}/01_01.bvh").stdout)
+        lost = self.server.run("find", "demo", "--clip", "Boxing_Toe@1-2")
+        self.assertIn("did you mean 'Boxing_Toes'?", lost.stderr)
+        self.assertEqual(lost.returncode, 1)
+
     def test_observe_replays_a_motion(self):
         self.ingest("01_01", "01_03", "Boxing_Toes")
         boxing = f"{MODELS}/Boxing_Toes.bvh"

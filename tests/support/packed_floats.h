@@ -13,7 +13,7 @@ inline std::string Pack(const std::vector<float>& values) {
 
 inline std::vector<float> Unpack(const std::string& bytes) {
   std::vector<float> values(bytes.size() / sizeof(float));
-  std::memcpy(values.data(), bytes.data(), sizeof(float) * values.size());
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), sizeof(float) * values.size());
   return values;
 }
 

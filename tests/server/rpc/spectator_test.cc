@@ -52,7 +52,7 @@ class SpectatorCall {
       : stub_(own_connection ? v1::ObserveService::NewStub(server.NewChannel())
                              : server.NewStub<v1::ObserveService>()) {
     if (!token.empty()) context_.AddMetadata("authorization", "Bearer " + token);
-    context_.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(1));
+    context_.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(10));
     v1::WatchStreamRequest request;
     request.set_name(name);
     reader_ = stub_->WatchStream(&context_, request);

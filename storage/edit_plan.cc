@@ -117,8 +117,7 @@ absl::Status EditPlan::Make(const ClipChange& change) {
   if (change.tags) {
     record.tags = *change.tags;
     std::ranges::sort(record.tags);
-    const auto repeated = std::ranges::unique(record.tags);
-    record.tags.erase(repeated.begin(), repeated.end());
+    record.tags.erase(std::unique(record.tags.begin(), record.tags.end()), record.tags.end());
   }
   if (change.fields) record.fields = *change.fields;
   for (const auto& [field, value] : change.field) {

@@ -190,8 +190,7 @@ ClipText TextOf(const ClipRecord& clip, std::span<const SegmentRecord> segments)
   std::vector<std::string> labels;
   for (const SegmentRecord& segment : segments) labels.push_back(segment.label);
   std::ranges::sort(labels);
-  const auto repeated = std::ranges::unique(labels);
-  labels.erase(repeated.begin(), repeated.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   return {NormalizeText(clip.title),   NormalizeText(clip.description),
           JoinItems(clip.tags),        JoinItems(labels),
           NormalizeText(clip.subject), NormalizeText(clip.file_name)};

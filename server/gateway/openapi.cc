@@ -33,7 +33,7 @@ std::string CommentOf(const Declaration& declaration) {
   std::string text = location.leading_comments + location.trailing_comments;
   std::ranges::replace(text, '\n', ' ');
   const auto is_second_blank = [](char a, char b) { return a == ' ' && b == ' '; };
-  text.erase(std::ranges::unique(text, is_second_blank).begin(), text.end());
+  text.erase(std::unique(text.begin(), text.end(), is_second_blank), text.end());
   const auto begin = text.find_first_not_of(' ');
   return begin == std::string::npos ? ""
                                     : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);

@@ -95,7 +95,7 @@ absl::StatusOr<std::vector<std::string>> ParseTags(std::string_view field, const
   }
   std::vector<std::string> tags(given.begin(), given.end());
   std::ranges::sort(tags);
-  tags.erase(std::ranges::unique(tags).begin(), tags.end());
+  tags.erase(std::unique(tags.begin(), tags.end()), tags.end());
   return tags;
 }
 

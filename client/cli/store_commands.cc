@@ -1,20 +1,13 @@
-// motiondb status, backup, restore and verify.
+// motiondb status and verify.
 
 #include <fmt/format.h>
-#include <motiondb/v1/access.pb.h>
 #include <motiondb/v1/server.pb.h>
 #include <motiondb/v1/store.pb.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <iterator>
-#include <set>
 #include <string>
 #include <thread>
-#include <vector>
 
-#include "client/call_failure.h"
-#include "client/cli/access_text.h"
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/terminal/print.h"
@@ -77,121 +70,6 @@ void AddStatusCommand(CommandLine line) {
   AddCommand<StatusOptions>(line, "status",
                             "Show the state of the server: calls, memory, databases, builds",
                             "motiondb status\nmotiondb status --watch 2", Declare, Run);
-}
-
-// motiondb backup FILE
-
-namespace {
-
-struct BackupOptions {
-  std::string file;
-  bool force = false;
-};
-
-void Declare(CLI::App& command, BackupOptions& options) {
-  command.add_option("FILE", options.file, "Output file; it appears when it is complete")
-      ->required();
-  command.add_flag("--force", options.force,
-                   "Replace an existing backup; never the store of a server or another file");
-}
-
-absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {
-  const auto client = Connect(global);
-  if (!client.ok()) return client.status();
-  ProgressBar bar;
-  const auto bytes = client->BackupStore(options.file, options.force,
-                                         [&](double share) { bar.Show(share, "backing up"); });
-  bar.Clear();
-  if (!bytes.ok()) return bytes.status();
-  if (global.json) {
-    // The response is a stream of blocks; this is a summary.
-    PrintText(
-        fmt::format("{{\"file\":{},\"total_bytes\":{}}}\n", JsonString(options.file), *bytes));
-  } else {
-    PrintLine("{}: {:.1f} MB, checksum correct", options.file, static_cast<double>(*bytes) / 1e6);
-  }
-  return absl::OkStatus();
-}
-
-}  // namespace
-
-void AddBackupCommand(CommandLine line) {
-  AddCommand<BackupOptions>(line, "backup",
-                            "Write a consistent copy of the whole store while the server works",
-                            "motiondb backup monday.motiondb", Declare, Run);
-}
-
-// motiondb restore FILE
-
-namespace {
-
-struct RestoreOptions {
-  std::string file;
-};
-
-void Declare(CLI::App& command, RestoreOptions& options) {
-  command.add_option("FILE", options.file, "Backup file of `motiondb backup`")->required();
-}
-
-// Returns the tokens of `now` that are valid and were not before.
-std::vector<v1::Token> NewlyValid(const std::vector<v1::Token>& before,
-                                  const std::vector<v1::Token>& now) {
-  const std::int64_t now_seconds = NowMicroseconds() / 1'000'000;
-  std::set<std::string> were_valid;
-  for (const v1::Token& token : before) {
-    if (IsValid(token, now_seconds)) were_valid.insert(token.name());
-  }
-  std::vector<v1::Token> found;
-  for (const v1::Token& token : now) {
-    if (IsValid(token, now_seconds) && !were_valid.contains(token.name())) found.push_back(token);
-  }
-  return found;
-}
-
-// The server cannot know which tokens were revoked after the backup was made: its own tokens keep
-// their state, and the revocation of a token that it does not have was in the lost store.
-std::string NewlyValidText(const std::vector<v1::Token>& tokens) {
-  if (tokens.empty()) return "";
-  return fmt::format(
-             "{} of the backup {} valid now. A token that was revoked after the backup was made is "
-             "valid again; revoke it with `motiondb token revoke TOKEN`:\n",
-             CountText(std::ssize(tokens), "token"), tokens.size() == 1 ? "is" : "are") +
-         TokensTable(tokens, NowMicroseconds() / 1'000'000).ToString();
-}
-
-absl::Status Run(const RestoreOptions& options, const GlobalOptions& global) {
-  const auto client = Connect(global);
-  if (!client.ok()) return client.status();
-  const auto before = client->AllTokens();
-  ProgressBar bar;
-  const auto response = client->RestoreStore(options.file, [&](double share) {
-    bar.Show(share, share < 1 ? "sending" : "the server checks the backup");
-  });
-  bar.Clear();
-  if (!response.ok()) return response.status();
-  const auto now = client->AllTokens();
-  const bool can_list = before.ok() && now.ok();
-  const std::string tokens = can_list ? NewlyValidText(NewlyValid(*before, *now)) : "";
-  if (global.json) {
-    PrintJson(*response);
-    fmt::print(stderr, "{}", WithStyles(tokens, HasColours(STDERR_FILENO)));
-  } else {
-    PrintLine("restored {}, {}", CountText(response->database_count(), "database"),
-              CountText(response->clip_count(), "clip"));
-    PrintText(tokens);
-  }
-  if (can_list) return absl::OkStatus();
-  const absl::Status& failed = before.ok() ? now.status() : before.status();
-  return WithMessage(
-      failed, fmt::format("the backup is restored, but its valid tokens cannot be listed: {}",
-                          std::string(failed.message())));
-}
-
-}  // namespace
-
-void AddRestoreCommand(CommandLine line) {
-  AddCommand<RestoreOptions>(line, "restore", "Restore a backup into a server without databases",
-                             "motiondb restore monday.motiondb", Declare, Run);
 }
 
 // motiondb verify

@@ -32,8 +32,7 @@ absl::StatusOr<FrameRange> FramesOfPart(const TimeRange& part, int frames, doubl
   const double latest = duration + 0.5 / rate;
   if (!(start >= 0 && start < latest)) {
     return FieldViolation("start_seconds",
-                          "expected at least 0 and less than {:g}, the duration, "
-                          "got {:g}",
+                          "expected at least 0 and less than {:g}, the duration, got {:g}",
                           duration, start);
   }
   if (!(end > start && end <= latest)) {

@@ -34,8 +34,8 @@ for library in libgrpc++ libprotobuf libsqlite3 libspdlog; do
 done
 
 # Without npm, the build has no page.
-page=$build/share/motiondb/web/index.html
-[ ! -f "$page" ] || dpkg-deb --contents "$package" | grep '/share/motiondb/web/index.html$' >/dev/null ||
+web_page=$build/share/motiondb/web/index.html
+[ ! -f "$web_page" ] || dpkg-deb --contents "$package" | grep '/share/motiondb/web/index.html$' >/dev/null ||
   fail "no web page"
 [[ $(dpkg-deb --field "$package" Maintainer) == *\ \<*@*\> ]] || fail "no maintainer"
 
@@ -71,7 +71,7 @@ for _ in $(seq 100); do
 done
 address=$(sed -n 's/.*listening on //p' "$work/address")
 web=$(sed -n 's/.*HTTP API at //p' "$work/address")
-[ ! -f "$page" ] || python3 -c 'import sys, urllib.request
+[ ! -f "$web_page" ] || python3 -c 'import sys, urllib.request
 sys.exit(b"<title>motiondb" not in urllib.request.urlopen(sys.argv[1]).read())' "$web" || fail "no web page at $web"
 "$here/walk.py" 6 1 >"$root/tmp/walk.bvh"
 "$here/walk.py" 6 2 >"$root/tmp/run.bvh"

@@ -108,7 +108,7 @@ class Pictures(WithServer):
     def test_errors(self):
         out = self.path("a.png")
         for expected, *arguments in (
-                ("nobody", "map", "nobody"),
+                ("absent", "map", "absent"),
                 ("layer", "layer", "demo", "--layer", "99"),
                 ("missing", "clip", "demo", "missing")):
             result = self.server.run("picture", *arguments, "--out", out)

@@ -7,7 +7,6 @@
 
 #include "client/cli/picture/picture_geometry.h"
 #include "client/cli/picture/picture_options.h"
-#include "client/cli/picture/picture_query_commands.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {

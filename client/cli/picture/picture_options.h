@@ -1,4 +1,4 @@
-// Options of the `picture` commands.
+// Parts of the `picture` commands.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -22,6 +22,9 @@ absl::Status WriteOut(const std::string& out, const Canvas& picture, const Globa
 
 // Adds --axes, --colour, --width and --height; `options` contains the defaults.
 void AddMapOptions(CLI::App& command, MapOptions& options);
+
+// Adds the pictures of queries: estimate, recognize and plan.
+void AddQueryPictureCommands(CommandLine line);
 
 // Adds --layer: 0, the bottom layer, is the default.
 void AddMapLayerOption(CLI::App& command, int& layer);

@@ -1,5 +1,3 @@
-#include "client/cli/picture/picture_query_commands.h"
-
 // motiondb picture estimate|recognize|plan: pictures of queries.
 
 #include <motiondb/v1/observe.pb.h>

@@ -1,8 +1,10 @@
 // Login, logout and calls with the cookie: tokens, attributes of the cookie, requests of other
 // sites, limits, the audit log, revocation.
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "motiondb/v1/access.grpc.pb.h"
@@ -18,6 +20,8 @@ using nlohmann::json;
 constexpr char kList[] = "/motiondb.v1.DatabaseService/ListDatabases";
 constexpr char kAudit[] = "/motiondb.v1.AccessService/ListAuditEntries";
 constexpr char kRevoke[] = "/motiondb.v1.AccessService/RevokeToken";
+constexpr char kStatus[] = "/motiondb.v1.ServerService/GetServerStatus";
+constexpr char kDelete[] = "/motiondb.v1.DatabaseService/DeleteDatabase";
 constexpr char kWatch[] = "/motiondb.v1.DatabaseService/WatchDatabase";
 const std::pair<std::string, std::string> kJson{"Content-Type", "application/json"};
 const std::pair<std::string, std::string> kVersion{"Connect-Protocol-Version", "1"};
@@ -246,6 +250,11 @@ TEST_CASE("Session: a revoked token stops calls and streams", "[server][gateway]
                        {{"Content-Type", "application/connect+json"}, kVersion, cookie},
                        EnvelopeText(0, R"({"name":"databases/a"})")));
   const Headers admin = {kJson, {"Authorization", "Bearer " + tokens.admin}};
+  const auto open_streams = [&] {
+    return json::parse(Post(server.address(), kStatus, admin, "{}").body)
+        .value("openStreamCount", 0);
+  };
+  while (open_streams() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   CHECK(Post(server.address(), kRevoke, admin, json({{"name", name}}).dump()).status == 200);
   CHECK(Post(server.address(), kList, {kJson, kVersion, cookie}, "{}").status == 401);
   CHECK(Login(server, tokens.reader).status == 401);
@@ -255,6 +264,11 @@ TEST_CASE("Session: a revoked token stops calls and streams", "[server][gateway]
   CHECK(json::parse(reply.body)["authenticated"] == false);
   CHECK(json::parse(reply.body)["reason"].get<std::string>().find("revoked") != std::string::npos);
   CHECK_THAT(reply.Field("set-cookie"), Catch::EndsWith("Max-Age=0"));
+  // The stream ends instead of sending the next change.
+  CHECK(Post(server.address(), kDelete, admin, R"({"name":"databases/a"})").status == 200);
+  const auto envelopes = Envelopes(stream.Read().body);
+  REQUIRE(!envelopes.empty());
+  CHECK(json::parse(envelopes.back().second)["error"]["code"] == "unauthenticated");
 }
 
 TEST_CASE("Session: hostile cookies", "[server][gateway]") {

@@ -53,7 +53,7 @@ TEST_CASE("RunningStreams: lists the streams of a database, oldest first", "[ser
 TEST_CASE("RunningStream: a spectator gets the newest answer and how many it missed",
           "[server][streams]") {
   const auto stream = std::make_shared<RunningStream>(Database("walks"), v1::ObservedStream());
-  CHECK_FALSE(AnswerFrame(*stream, 1));  // nobody watches
+  CHECK_FALSE(AnswerFrame(*stream, 1));  // no spectator
   Spectator one(stream);
   CHECK_FALSE(one.Take().has_value());
   CHECK(AnswerFrame(*stream, 2));

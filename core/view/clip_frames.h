@@ -1,0 +1,33 @@
+// What the frames of a clip show beside its markers: the joints of the recorded skeleton, in time
+// with the stored states, and which feet stand on the floor.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/motion/marker_set.h"
+#include "core/motion/motion.h"
+#include "core/motion/states.h"
+#include "core/planning/contacts.h"
+
+namespace motiondb::core {
+
+// Returns the positions of all joints (frames x 3 * joint_count, m, world) by forward kinematics,
+// at this frame rate, with the floor at z = 0. `part`: the frames of the states (Represent). Frame
+// i is that of state i. Errors: those of Resample. REQUIRES: the motion has these frames. O(frames
+// * joints).
+absl::StatusOr<FrameMatrix> RecordedJoints(const JointMotion& motion, const SourcePart& part,
+                                           double frame_rate_hz);
+
+inline constexpr std::uint8_t kLeftFoot = 1;
+inline constexpr std::uint8_t kRightFoot = 2;
+
+// Returns, for each frame, the feet (bits) of which a marker is in contact (DetectContacts). Empty
+// if there are no feet. `positions_m`: frames x 3 N_v, world, floor at z = 0. O(frames * contact
+// markers).
+std::vector<std::uint8_t> StandingFeet(const MarkerSet& set, const Feet& feet,
+                                       const FrameMatrix& positions_m, double frame_rate_hz,
+                                       double leg_length_m);
+
+}  // namespace motiondb::core

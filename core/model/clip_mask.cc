@@ -50,20 +50,20 @@ void ClipMask::SortFrames() const {
 
 std::span<const std::int32_t> ClipMask::frames(int branch) const {
   if (allows_all()) return AllowedFrames(model_, branch, nullptr);
-  absl::call_once(frames_once_, [this] { SortFrames(); });
+  std::call_once(frames_once_, [this] { SortFrames(); });
   const Branch& all = model_.tree().branches()[branch];
   return std::span(frames_).subspan(before_[all.begin], before_[all.end] - before_[all.begin]);
 }
 
 bool ClipMask::has_frames(int branch) const {
   if (allows_all()) return true;
-  absl::call_once(frames_once_, [this] { SortFrames(); });
+  std::call_once(frames_once_, [this] { SortFrames(); });
   return has_frames_[branch];
 }
 
 const TransitionGraph& ClipMask::global_graph(int layer) const {
   if (allows_all()) return model_.global_graph(layer);
-  absl::call_once(graphs_once_, [this] {
+  std::call_once(graphs_once_, [this] {
     std::vector<const ClipGraph*> of_clips;
     for (const int clip : clips_) of_clips.push_back(model_.parts().clip_graphs[clip].get());
     graphs_ = SumClipGraphs(model_.tree(), of_clips);
@@ -73,7 +73,7 @@ const TransitionGraph& ClipMask::global_graph(int layer) const {
 
 const std::shared_ptr<const LabelUnits>& ClipMask::action_units() const {
   if (allows_all()) return model_.action_units();
-  absl::call_once(units_once_, [this] {
+  std::call_once(units_once_, [this] {
     units_ = std::make_shared<const LabelUnits>(model_.clips(), model_.settings().frame_rate_hz,
                                                 kActionTrack, this);
   });
@@ -82,7 +82,7 @@ const std::shared_ptr<const LabelUnits>& ClipMask::action_units() const {
 
 const ClipIndex& ClipMask::clip_index() const {
   if (allows_all()) return model_.clip_index();
-  absl::call_once(index_once_, [this] { index_ = model_.clip_index().Restricted(allowed_); });
+  std::call_once(index_once_, [this] { index_ = model_.clip_index().Restricted(allowed_); });
   return index_;
 }
 

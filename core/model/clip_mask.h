@@ -5,10 +5,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
-#include "absl/base/call_once.h"
 #include "absl/status/statusor.h"
 #include "core/graph/transition_graph.h"
 #include "core/model/clip_index.h"
@@ -55,16 +55,16 @@ class ClipMask {
   const std::vector<bool> allowed_;
   std::vector<int> clips_;
 
-  mutable absl::once_flag frames_once_;
+  mutable std::once_flag frames_once_;
   mutable std::vector<std::int32_t> frames_;  // allowed frames in the tree's order
   mutable std::vector<std::int32_t>
       before_;                            // [place in the tree's order]: allowed frames before it
   mutable std::vector<bool> has_frames_;  // [branch]
-  mutable absl::once_flag graphs_once_;
+  mutable std::once_flag graphs_once_;
   mutable std::vector<TransitionGraph> graphs_;  // [layer - 1]
-  mutable absl::once_flag units_once_;
+  mutable std::once_flag units_once_;
   mutable std::shared_ptr<const LabelUnits> units_;
-  mutable absl::once_flag index_once_;
+  mutable std::once_flag index_once_;
   mutable ClipIndex index_;
 };
 

@@ -222,26 +222,37 @@ void FaultDisk::Tear(const Change& change, std::string& bytes, std::mt19937& ran
   }
 }
 
-void FaultDisk::Reboot(unsigned seed) {
+FaultDisk::Contents FaultDisk::AfterPowerCut(unsigned seed) const {
   std::mt19937 random(seed);
   // A quarter of the seeds keeps all unsynced changes, a quarter none, the others a random part.
   const int luck = static_cast<int>(seed % 4);
-  for (auto& [path, file] : files_) {
-    if (!file.durable && (luck == 1 || (luck > 1 && random() % 4 == 0))) {
-      std::filesystem::remove(path);
-      continue;
-    }
-    std::string bytes = file.synced;
-    if (luck > 1) std::shuffle(file.unsynced.begin(), file.unsynced.end(), random);
-    for (const Change& change : file.unsynced) {
+  Contents kept;
+  for (const auto& [path, file] : files_) {
+    if (!file.durable && (luck == 1 || (luck > 1 && random() % 4 == 0))) continue;
+    std::string& bytes = kept[path] = file.synced;
+    std::vector<Change> unsynced = file.unsynced;
+    if (luck > 1) std::shuffle(unsynced.begin(), unsynced.end(), random);
+    for (const Change& change : unsynced) {
       const auto fate = luck == 0 ? 0 : luck == 1 ? 1 : random() % 3;
       if (fate == 0) Apply(change, bytes);
       if (fate == 2 && !change.truncates) Tear(change, bytes, random);
     }
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-    std::filesystem::remove(path + "-shm");
   }
-  Arm(Fault::kNone, 0);
+  return kept;
+}
+
+void FaultDisk::Reboot(const Contents& kept) {
+  for (const auto& [path, file] : files_) {
+    const auto bytes = kept.find(path);
+    std::filesystem::remove(path + "-shm");
+    if (bytes == kept.end()) {
+      std::filesystem::remove(path);
+    } else {
+      std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes->second;
+    }
+  }
+  Clear();
+  dead_ = false;
 }
 
 }  // namespace motiondb::tests

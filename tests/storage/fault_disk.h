@@ -50,9 +50,13 @@ class FaultDisk {
   // Number of operations since Arm.
   int operations() const { return operations_; }
   bool struck() const { return struck_; }
-  // After a power cut, with all files closed: sets the files to the content that the disk kept,
-  // chosen by `seed`, and ends the fault.
-  void Reboot(unsigned seed);
+  // The files, by path, that the disk has after a power cut; `seed` chooses what it kept. Each seed
+  // may be tried after the same cut.
+  using Contents = std::map<std::string, std::string>;
+  Contents AfterPowerCut(unsigned seed) const;
+  // With all files closed: sets the files that were opened to `kept` and ends the fault.
+  void Reboot(const Contents& kept);
+  void Reboot(unsigned seed) { Reboot(AfterPowerCut(seed)); }
 
   // Called by the VFS for each operation. They return an SQLite result code.
   int OnRead(const std::string& path, std::int64_t offset, int count);

@@ -12,7 +12,7 @@
 #include "core/export/writers.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests::c3d_dart_test {
+namespace motiondb::tests::dart_reads_c3d {
 namespace {
 
 core::MarkerMotion RandomMarkers(int markers, int frames) {
@@ -60,4 +60,4 @@ TEST_CASE("WriteC3d: DART reads the same positions", "[core][export]") {
   }
 }
 
-}  // namespace motiondb::tests::c3d_dart_test
+}  // namespace motiondb::tests::dart_reads_c3d

@@ -4,6 +4,7 @@
     terminal_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
+import concurrent.futures
 import os
 import re
 import shlex
@@ -45,23 +46,28 @@ class Terminal(CommandLine):
         self.assertIn(("word " * 40).strip()[:180], self.server.run("token", "list").stdout)
 
     def test_help_fits_and_has_examples_that_parse(self):
-        count = 0
+        examples = []
         for words in commands_below():
             shown = COLOUR.sub("", self.show(*words, "--help"))
             for line in shown.splitlines():
                 self.assertLessEqual(len(line), 80, line)
-            examples = re.findall(r"^  (motiondb .*)$", shown.partition("\nExamples:\n")[2], re.MULTILINE)
-            self.assertTrue(examples, words)
-            for example in examples:
-                # Another server, in an empty folder: anything but a usage error.
-                result = subprocess.run([os.path.abspath(MOTIONDB), "--server", "127.0.0.1:1", *shlex.split(example)[1:]],
-                                        capture_output=True, text=True, cwd=self.folder.name)
-                self.assertNotEqual(result.returncode, 2, (example, result.stderr))
-                count += 1
+            found = re.findall(r"^  (motiondb .*)$", shown.partition("\nExamples:\n")[2], re.MULTILINE)
+            self.assertTrue(found, words)
+            examples += found
             if words and words[0] != "help":
                 self.assertEqual(self.server.run("help", *words).stdout,
                                  self.server.run(*words, "--help").stdout)
-        self.assertGreater(count, 50)
+        self.assertGreater(len(examples), 50)
+
+        def run(example):
+            # Another server, in an empty folder: anything but a usage error.
+            result = subprocess.run([os.path.abspath(MOTIONDB), "--server", "127.0.0.1:1", *shlex.split(example)[1:]],
+                                    capture_output=True, text=True, cwd=self.folder.name)
+            self.assertNotEqual(result.returncode, 2, (example, result.stderr))
+
+        # Together, because each waits for the server for two seconds.
+        with concurrent.futures.ThreadPoolExecutor(40) as pool:
+            list(pool.map(run, examples))
 
     def test_colours(self):
         colours = COLOUR.findall

@@ -25,18 +25,18 @@ complete_words() {
     - "$written/completions/$1" "$@"
 }
 
-options_of() {  # PROGRAM COMMAND...
-  "$@" --help | grep -oE '^  (-[a-z],)?--[a-z][-a-z]*' | grep -oE -- '--[a-z][-a-z]*'
+options_of() {  # HELP
+  grep -oE '^  (-[a-z],)?--[a-z][-a-z]*' <<<"$1" | grep -oE -- '--[a-z][-a-z]*'
 }
 
-commands_of() {  # PROGRAM COMMAND...
-  "$@" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'
+commands_of() {  # HELP
+  sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p' <<<"$1"
 }
 
-check_values() {  # PROGRAM COMMAND... OPTION: checks that the completions of the option are its values in the help
-  local program=$1 option=${!#} value word offered=0
-  set -- "${@:2:$#-2}"
-  value=$("${!program}" "$@" --help | sed -nE "s/^  (-[a-z],)?$option ([^ ]+).*/\2/p")
+check_values() {  # HELP PROGRAM COMMAND... OPTION: checks that the completions of the option are its values in the help
+  local help=$1 program=$2 option=${!#} value word offered=0
+  set -- "${@:3:$#-3}"
+  value=$(sed -nE "s/^  (-[a-z],)?$option ([^ ]+).*/\2/p" <<<"$help")
   complete_words "$program" "$@" "$option" "" >"$work/offered"
   if [[ -z $value || $value == \(Env:* || $value == Needs:* ]]; then  # a flag changes nothing
     complete_words "$program" "$@" "" | diff - "$work/offered" >&2 || { echo "$program $* $option" >&2; missing=1; }
@@ -60,28 +60,56 @@ page motiondb.1 >"$work/motiondb"
 page motiondbd.8 >"$work/motiondbd"
 page motiondbd.conf.5 >"$work/conf"
 
-for option in $(options_of "$motiondbd"); do
+help=$("$motiondbd" --help)
+complete_words motiondbd - >"$work/options"
+for option in $(options_of "$help"); do
   check "motiondbd(8)" "$option" <"$work/motiondbd"
-  check "completion of motiondbd" "$option" < <(complete_words motiondbd -)
-  check_values motiondbd "$option"
+  check "completion of motiondbd" "$option" <"$work/options"
+  check_values "$help" motiondbd "$option"
   case "$option" in --help | --version | --config | --check-config) continue ;; esac
   check "motiondbd.conf(5)" "${option#--}" <"$work/conf"
 done
 
 walk() {  # COMMAND...: checks this command and all commands below it
-  local command option
-  for option in $(options_of "$motiondb" "$@"); do
+  local help command commands option
+  help=$("$motiondb" "$@" --help)
+  complete_words motiondb "$@" - >"$work/options"
+  for option in $(options_of "$help"); do
     check "motiondb(1), $*" "$option" <"$work/motiondb"
-    check "completion of motiondb $*" "$option" < <(complete_words motiondb "$@" -)
-    check_values motiondb "$@" "$option"
+    check "completion of motiondb $*" "$option" <"$work/options"
+    check_values "$help" motiondb "$@" "$option"
   done
-  for command in $(commands_of "$motiondb" "$@"); do
+  commands=$(commands_of "$help")
+  [ -z "$commands" ] || complete_words motiondb "$@" "" >"$work/commands"
+  for command in $commands; do
     check "motiondb(1)" "$* $command" < <(sed 's/^ */ /' "$work/motiondb")
-    check "completion of motiondb $*" "$command" < <(complete_words motiondb "$@" "")
-    walk "$@" "$command"
+    check "completion of motiondb $*" "$command" <"$work/commands"
+  done
+  for command in $commands; do
+    if [ $# = 0 ]; then
+      walk_apart "$command" &  # all commands together: each completion waits for a server
+    else
+      walk "$@" "$command"
+    fi
   done
 }
+
+walk_apart() {  # COMMAND: walks in a folder of its own, and writes the count and the result there
+  local all=$work
+  work=$all/$1
+  count=0
+  mkdir "$work"
+  cp "$all/motiondb" "$work"
+  walk "$1"
+  echo "$count $missing" >"$work/result"
+}
+
 walk
+wait
+for folder in "$work"/*/; do
+  read -r of_command missed <"$folder/result"
+  count=$((count + of_command)) missing=$((missing | missed))
+done
 [ "$count" -gt 150 ] || { echo "expected more than 150 words to check, found $count" >&2; missing=1; }
 [ "$(complete_words motiondb plan --method ran)" = random ] ||
   { echo "expected the completion random of plan --method ran" >&2; missing=1; }

@@ -2,9 +2,11 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "core/motion/error.h"
+#include "storage/mutex.h"
 #include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
@@ -24,6 +26,21 @@ absl::StatusOr<SchemaObjects> Definitions(Connection& connection) {
     definitions[fmt::format("{} '{}'", object.Text(0), object.Text(1))] =
         fmt::format("{}: {}", object.Text(2), object.Text(3));
   }
+}
+
+// Returns the definitions of a new store. They are the same for the whole process.
+absl::StatusOr<SchemaObjects> ExpectedDefinitions() {
+  static Mutex mutex;
+  static std::optional<SchemaObjects> expected;
+  const MutexLock lock(mutex);
+  if (!expected) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const auto fresh,
+        Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+    MOTIONDB_RETURN_IF_ERROR(Migrate(*fresh, Migrations()));
+    MOTIONDB_ASSIGN_OR_RETURN(expected, Definitions(*fresh));
+  }
+  return *expected;
 }
 
 }  // namespace
@@ -49,11 +66,7 @@ absl::Status Migrate(Connection& connection, std::span<const char* const> migrat
 
 absl::Status CheckSchema(Connection& connection) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto definitions, Definitions(connection));
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const auto fresh,
-      Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
-  MOTIONDB_RETURN_IF_ERROR(Migrate(*fresh, Migrations()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto expected, Definitions(*fresh));
+  MOTIONDB_ASSIGN_OR_RETURN(const SchemaObjects expected, ExpectedDefinitions());
   for (const auto& [object, definition] : expected) {
     const auto found = definitions.find(object);
     if (found == definitions.end()) return core::DataLoss("the {} is missing", object);

@@ -108,6 +108,12 @@ void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& si
   context.run();
 }
 
+void LogIndexRebuild(const absl::Status& rebuilt) {
+  if (rebuilt.ok()) return spdlog::warn("search index was corrupt: rebuilt from the clips");
+  spdlog::error("search index is corrupt and cannot be rebuilt: {}",
+                std::string(rebuilt.message()));
+}
+
 // Opens the store. This upgrades a store of an older version, which is logged, because older
 // servers can no longer open it.
 absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& settings) {
@@ -116,7 +122,8 @@ absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& 
   const int former = settings.read_only ? 0 : storage::ReadStoreVersion(path).value_or(0);
   MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(
                                             path, {.reserve_bytes = settings.disk_reserve_bytes,
-                                                   .read_only = settings.read_only}));
+                                                   .read_only = settings.read_only,
+                                                   .on_index_rebuild = LogIndexRebuild}));
   if (settings.read_only) spdlog::info("store {} opened read-only: changes are refused", path);
   const auto latest = static_cast<int>(storage::Migrations().size());
   if (former > 0 && former < latest) {

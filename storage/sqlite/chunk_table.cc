@@ -91,7 +91,10 @@ absl::Status DeleteBlob(Connection& connection, const BlobOwner& owner, BlobKind
 
 absl::Status In(std::string_view place, const absl::Status& status) {
   if (status.ok()) return status;
-  return absl::Status(status.code(), fmt::format("{}: {}", place, std::string(status.message())));
+  absl::Status placed(status.code(), fmt::format("{}: {}", place, std::string(status.message())));
+  status.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { placed.SetPayload(url, payload); });
+  return placed;
 }
 
 }  // namespace motiondb::storage

@@ -8,6 +8,8 @@
 #include "core/motion/error.h"
 #include "storage/blob/annotation_codec.h"
 #include "storage/sqlite/database_table.h"
+#include "storage/sqlite/index_corruption.h"
+#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 namespace {
@@ -62,6 +64,24 @@ std::uint64_t HashOfWords(std::string_view column, std::string_view text) {
   return sum;
 }
 
+absl::Status InsertText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
+  return connection
+      .Query(
+          "INSERT INTO clip_text (rowid, title, description, tags, labels, subject, file_name) "
+          "VALUES (?, ?, ?, ?, ?, ?, ?)",
+          clip_key, text[0], text[1], text[2], text[3], text[4], text[5])
+      .Run();
+}
+
+// Returns the status of a change of the index as OfSearchIndex. If it is OK, makes FTS5 write what
+// it has kept in memory: a later statement of the transaction would do it and return the error.
+absl::Status Flushed(Connection& connection, absl::Status status) {
+  for (const char* const flush : {"SAVEPOINT clip_text", "RELEASE clip_text"}) {
+    if (status.ok()) status = connection.Query(flush).Run();
+  }
+  return OfSearchIndex(status);
+}
+
 }  // namespace
 
 int AddWordsFunction(sqlite3* database) {
@@ -71,25 +91,21 @@ int AddWordsFunction(sqlite3* database) {
 }
 
 absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
-  return connection
-      .Query(
-          "INSERT INTO clip_text (rowid, title, description, tags, labels, subject, file_name) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?)",
-          clip_key, text[0], text[1], text[2], text[3], text[4], text[5])
-      .Run();
+  return Flushed(connection, InsertText(connection, clip_key, text));
 }
 
 absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
-  return connection
-      .Query(
-          "UPDATE clip_text SET title = ?, description = ?, tags = ?, labels = ?, subject = ?, "
-          "file_name = ? WHERE rowid = ?",
-          text[0], text[1], text[2], text[3], text[4], text[5], clip_key)
-      .Run();
+  return Flushed(connection,
+                 connection
+                     .Query("UPDATE clip_text SET title = ?, description = ?, tags = ?, labels = "
+                            "?, subject = ?, file_name = ? WHERE rowid = ?",
+                            text[0], text[1], text[2], text[3], text[4], text[5], clip_key)
+                     .Run());
 }
 
 absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key) {
-  return connection.Query("DELETE FROM clip_text WHERE rowid = ?", clip_key).Run();
+  return Flushed(connection,
+                 connection.Query("DELETE FROM clip_text WHERE rowid = ?", clip_key).Run());
 }
 
 absl::Status FillClipText(Connection& connection) {
@@ -98,7 +114,7 @@ absl::Status FillClipText(Connection& connection) {
       "WHERE deleted = 0");
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, clip.Step());
-    if (!found) return absl::OkStatus();
+    if (!found) return Flushed(connection, absl::OkStatus());
     ClipRecord record;
     record.title = clip.Text(1);
     record.description = clip.Text(2);
@@ -113,8 +129,37 @@ absl::Status FillClipText(Connection& connection) {
       if (!has_label) break;
       segments.emplace_back().label = label.Text(0);
     }
-    MOTIONDB_RETURN_IF_ERROR(InsertClipText(connection, clip.Integer(0), TextOf(record, segments)));
+    MOTIONDB_RETURN_IF_ERROR(
+        OfSearchIndex(InsertText(connection, clip.Integer(0), TextOf(record, segments))));
   }
+}
+
+absl::Status RebuildClipText(Connection& connection) {
+  const auto rebuild = [&](const std::string& remove) {
+    return InTransaction(
+        connection, Transaction::Kind::kWrite, [&](Connection& writer) -> absl::Status {
+          std::string definition;
+          {
+            Statement table =
+                writer.Query("SELECT sql FROM sqlite_schema WHERE name = 'clip_text'");
+            MOTIONDB_ASSIGN_OR_RETURN(const bool found, table.Step());
+            if (!found) return core::DataLoss("the table 'clip_text' is missing");
+            definition = table.Text(0);
+          }
+          MOTIONDB_RETURN_IF_ERROR(OfSearchIndex(writer.Execute(remove)));
+          MOTIONDB_RETURN_IF_ERROR(OfSearchIndex(writer.Execute(definition)));
+          return FillClipText(writer);
+        });
+  };
+  const absl::Status rebuilt = rebuild("DROP TABLE clip_text");
+  if (!IsOfSearchIndex(rebuilt)) return rebuilt;
+  // SQLite reads the pages of a table to free them: leave them, and remove only the names.
+  const absl::Status again = rebuild(
+      "PRAGMA writable_schema = ON; "
+      "DELETE FROM sqlite_schema WHERE tbl_name = 'clip_text' OR tbl_name GLOB 'clip_text_*'; "
+      "PRAGMA writable_schema = RESET");
+  connection.Execute("PRAGMA writable_schema = OFF").IgnoreError();  // after an error
+  return again;
 }
 
 absl::StatusOr<std::vector<TextMatch>> SelectTextMatches(Connection& connection,
@@ -123,15 +168,17 @@ absl::StatusOr<std::vector<TextMatch>> SelectTextMatches(Connection& connection,
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto terms, ParseTextQuery(query));
   Statement row = connection.Query(
-      "SELECT clip.id, -bm25(clip_text) FROM clip_text CROSS JOIN clip ON clip_key = "
-      "clip_text.rowid "
-      "WHERE clip_text MATCH ? AND database_key = ? AND deleted = 0",
-      ToFtsQuery(terms), database_key);
+      "SELECT rowid, -bm25(clip_text) FROM clip_text WHERE clip_text MATCH ?", ToFtsQuery(terms));
   std::vector<TextMatch> matches;
   while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (!found) return matches;
-    matches.push_back({row.Text(0), row.Real(1)});
+    const auto found = row.Step();
+    if (!found.ok()) return OfSearchIndex(found.status());
+    if (!*found) return matches;
+    Statement clip = connection.Query(
+        "SELECT id FROM clip WHERE clip_key = ? AND database_key = ? AND deleted = 0",
+        row.Integer(0), database_key);
+    MOTIONDB_ASSIGN_OR_RETURN(const bool is_clip, clip.Step());
+    if (is_clip) matches.push_back({clip.Text(0), row.Real(1)});
   }
 }
 
@@ -140,10 +187,10 @@ absl::Status CheckClipText(Connection& connection, std::int64_t clip_key, const 
       "SELECT title, description, tags, labels, subject, file_name FROM clip_text WHERE rowid = ?",
       clip_key);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return core::DataLoss("search index: the clip is missing");
+  if (!found) return core::DataLoss("the clip is missing");
   for (std::size_t c = 0; c < kColumns.size(); ++c) {
     if (row.Text(static_cast<int>(c)) != text[c]) {
-      return core::DataLoss("search index: '{}' differs from the clip", kColumns[c]);
+      return core::DataLoss("'{}' differs from the clip", kColumns[c]);
     }
   }
   return absl::OkStatus();

@@ -1,5 +1,5 @@
 // The full-text index of clips: table `clip_text`, whose row ids are the keys of clips. The
-// functions run in the caller's transaction.
+// functions run in the caller's transaction, except RebuildClipText.
 #pragma once
 
 #include <sqlite3.h>
@@ -19,6 +19,8 @@ namespace motiondb::storage {
 // code.
 int AddWordsFunction(sqlite3* database);
 
+// Errors that a corrupt index causes are marked: IsOfSearchIndex (index_corruption.h).
+
 // REQUIRES: the clip has no text in the index.
 absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
 absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
@@ -28,6 +30,10 @@ absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key);
 // Fills the empty index with the texts of all clips. A clip whose tags are corrupt is found by the
 // rest of its text.
 absl::Status FillClipText(Connection& connection);
+// Replaces the index, whatever its state, by one that is filled from the clips. Pages of a corrupt
+// index that SQLite cannot free stay unused. The time is proportional to the number of clips. Makes
+// its own transactions. REQUIRES: `connection` is in no transaction.
+absl::Status RebuildClipText(Connection& connection);
 
 // See AnnotationStore::SearchClips.
 absl::StatusOr<std::vector<TextMatch>> SelectTextMatches(Connection& connection,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/index_corruption.h"
 #include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
@@ -165,7 +166,8 @@ absl::StatusOr<std::int64_t> DatabaseCopy::CopyRow(Connection& target) {
     MOTIONDB_RETURN_IF_ERROR(BindColumn(columns_[static_cast<std::size_t>(c)], c, key, insert));
     if (rows_->IsBlob(c)) bytes += std::ssize(rows_->Blob(c));
   }
-  MOTIONDB_RETURN_IF_ERROR(insert.Run());
+  const absl::Status inserted = insert.Run();
+  MOTIONDB_RETURN_IF_ERROR(table.name == kTextTable ? OfSearchIndex(inserted) : inserted);
   return bytes;
 }
 

@@ -105,6 +105,7 @@ SqliteMotionStore::SqliteMotionStore(std::string path, Files files, std::optiona
       lock_(std::move(lock)),
       writer_(std::move(writer)),
       readers_(std::move(readers)),
-      now_us_(std::move(options.now_us)) {}
+      now_us_(std::move(options.now_us)),
+      on_index_rebuild_(std::move(options.on_index_rebuild)) {}
 
 }  // namespace motiondb::storage

@@ -8,6 +8,7 @@
 
 #include "core/motion/error.h"
 #include "storage/sqlite/chunk_table.h"
+#include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/sqlite_backup.h"
 #include "storage/sqlite/sqlite_verifier.h"
 #include "storage/sqlite/store_file.h"
@@ -96,7 +97,12 @@ absl::StatusOr<std::unique_ptr<Connection>> ReceivedStore::Check(const core::Can
   if (!connection.ok()) return OfFile(connection.status());
   // The file need not survive a crash.
   MOTIONDB_RETURN_IF_ERROR((*connection)->Execute("PRAGMA synchronous = OFF"));
-  MOTIONDB_RETURN_IF_ERROR(OfFile(CheckWhole(**connection, cancelled)));
+  absl::Status whole = CheckWhole(**connection, cancelled);
+  // The search index is derived from the clips: its corruption does not prevent a restore.
+  if (absl::IsDataLoss(whole) && RebuildClipText(**connection).ok()) {
+    whole = CheckWhole(**connection, cancelled);
+  }
+  MOTIONDB_RETURN_IF_ERROR(OfFile(whole));
   return connection;
 }
 

@@ -66,7 +66,8 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
     return Transact(writer, added_bytes, body);
   };
   MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
-  auto added = writer_->RunShared(transact, AddedBytes(clip), clip.cancelled, insert);
+  auto added = WithSearchIndex(
+      [&] { return writer_->RunShared(transact, AddedBytes(clip), clip.cancelled, insert); });
   write_health_.Note(added.status());
   return added;
 }
@@ -121,10 +122,10 @@ absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::PutDerived(
     const std::string& database, std::span<const DerivedClip> clips) {
   std::int64_t added = 0;
   for (const DerivedClip& clip : clips) added += AddedBytes(clip);
-  return Write(
-      Priority::kBackground,
-      [&](Connection& connection) { return PutDerivedClips(connection, database, clips); }, {},
-      Added(added));
+  const auto put = [&](Connection& connection) {
+    return PutDerivedClips(connection, database, clips);
+  };
+  return WithSearchIndex([&] { return Write(Priority::kBackground, put, {}, Added(added)); });
 }
 
 absl::StatusOr<core::Skeleton> SqliteMotionStore::GetSkeleton(const std::string& database,

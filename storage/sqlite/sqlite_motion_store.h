@@ -4,6 +4,7 @@
 // run one after another on the writer thread (writer.h).
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/file_identity.h"
+#include "storage/sqlite/index_corruption.h"
 #include "storage/sqlite/reader_pool.h"
 #include "storage/sqlite/staged_databases.h"
 #include "storage/sqlite/store_lock.h"
@@ -39,6 +41,9 @@ struct SqliteOptions {
   // Changes return FAILED_PRECONDITION, and no file of the store is written: the file system may be
   // read-only. The store must exist and have the current version.
   bool read_only = false;
+  // Called on the writer thread after the corrupt search index was rebuilt from the clips (OK) or
+  // could not be rebuilt. May be empty; must not call the store.
+  std::function<void(const absl::Status&)> on_index_rebuild;
   // Name of a registered SQLite VFS; empty for the default. Tests inject faults with it.
   std::string vfs;
 };
@@ -175,7 +180,10 @@ class SqliteMotionStore final : public MotionStore,
   auto Transact(Connection& writer, Added added, const Work& work)
       -> std::invoke_result_t<Work, Connection&> {
     MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, added));
-    return InTransaction(writer, Transaction::Kind::kWrite, work);
+    RepairSearchIndex(writer);
+    auto result = InTransaction(writer, Transaction::Kind::kWrite, work);
+    if (IsOfSearchIndex(StatusOf(result))) index_is_corrupt_ = true;
+    return result;
   }
   // sqlite_motion_store_work.h defines the templates from here on.
   //
@@ -187,11 +195,20 @@ class SqliteMotionStore final : public MotionStore,
   template <typename Work>
   auto WriteWith(const WriteOptions& terms, const Work& work, Added added = {},
                  Priority priority = Priority::kOrdinary);
-  // Runs work(Connection&, FreePolicy) with kFree, and on DATA_LOSS again with kLeave.
+  // Runs work(Connection&, FreePolicy) with kFree, and on DATA_LOSS again with kLeave. Both may run
+  // twice (WithSearchIndex).
   template <typename Work>
   auto WriteAndFree(const WriteOptions& terms, const Work& work, Added added = {});
   template <typename Work>
   auto Read(const Work& work);
+
+  // Runs change(), and again if the corrupt search index prevented it: the second transaction first
+  // rebuilds the index.
+  template <typename Change>
+  auto WithSearchIndex(const Change& change);
+  // Rebuilds the search index, which is derived from the rows, if it was found to be corrupt. After
+  // an error the next change that meets the corruption tries again. Runs on the writer thread.
+  void RepairSearchIndex(Connection& writer);
 
   // Returns OK if the store's files are in place and, for an addition, the reserve stays free. If a
   // file is missing or replaced, moves the log into the store's file as far as possible, because
@@ -213,10 +230,12 @@ class SqliteMotionStore final : public MotionStore,
   std::optional<StoreLock> lock_;        // none for a store in memory
   std::unique_ptr<Writer> writer_;       // null if read-only
   std::unique_ptr<ReaderPool> readers_;  // null for a store in memory: the writer reads it
-  std::function<std::int64_t()> now_us_;
+  const std::function<std::int64_t()> now_us_;
+  const std::function<void(const absl::Status&)> on_index_rebuild_;
   WriteHealth write_health_;
   StagedDatabases staged_;
-  Mutex models_mutex_;  // serializes PutModel and DropModel
+  std::atomic<bool> index_is_corrupt_ = false;  // the next change rebuilds the search index
+  Mutex models_mutex_;                          // serializes PutModel and DropModel
 };
 
 }  // namespace motiondb::storage

@@ -20,7 +20,7 @@ absl::StatusOr<EditRecord> SqliteMotionStore::Edit(const std::string& database,
   const auto edit = [&](Connection& connection) {
     return MakeEdit(connection, database, changes, author, now_us_());
   };
-  return WriteWith(terms, edit, Added(0));
+  return WithSearchIndex([&] { return WriteWith(terms, edit, Added(0)); });
 }
 
 absl::StatusOr<EditRecord> SqliteMotionStore::UndoEdit(const std::string& database,
@@ -29,7 +29,7 @@ absl::StatusOr<EditRecord> SqliteMotionStore::UndoEdit(const std::string& databa
   const auto undo = [&](Connection& connection) {
     return UndoStoredEdit(connection, database, edit, author, now_us_());
   };
-  return WriteWith(terms, undo, Added(0));
+  return WithSearchIndex([&] { return WriteWith(terms, undo, Added(0)); });
 }
 
 absl::StatusOr<std::vector<EditRecord>> SqliteMotionStore::ListEdits(const std::string& database,
@@ -73,8 +73,24 @@ absl::StatusOr<std::vector<ChangeRecord>> SqliteMotionStore::Changes(const std::
 
 absl::StatusOr<std::vector<TextMatch>> SqliteMotionStore::SearchClips(const std::string& database,
                                                                       const std::string& query) {
-  return Read(
-      [&](Connection& connection) { return SelectTextMatches(connection, database, query); });
+  const auto search = [&] {
+    return Read(
+        [&](Connection& connection) { return SelectTextMatches(connection, database, query); });
+  };
+  if (!index_is_corrupt_ || read_only_) {
+    auto matches = search();
+    if (!IsOfSearchIndex(matches.status())) return matches;
+    if (read_only_) {
+      return core::DataLoss(
+          "the search index is corrupt: {}; without --read-only, a search rebuilds it",
+          std::string(matches.status().message()));
+    }
+    index_is_corrupt_ = true;
+  }
+  // Any write transaction rebuilds the index.
+  const auto nothing = [](Connection&) { return absl::OkStatus(); };
+  MOTIONDB_RETURN_IF_ERROR(Write(Priority::kOrdinary, nothing, ReadScope::cancelled()));
+  return search();
 }
 
 }  // namespace motiondb::storage

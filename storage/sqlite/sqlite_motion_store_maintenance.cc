@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/disk_reserve.h"
@@ -61,6 +62,12 @@ absl::Status SqliteMotionStore::CheckMayWrite(Connection& writer, Added added) {
   return absl::OkStatus();
 }
 
+void SqliteMotionStore::RepairSearchIndex(Connection& writer) {
+  if (!index_is_corrupt_.exchange(false)) return;
+  const absl::Status rebuilt = RebuildClipText(writer);
+  if (on_index_rebuild_) on_index_rebuild_(rebuilt);
+}
+
 absl::Status SqliteMotionStore::CheckWrites() {
   MOTIONDB_RETURN_IF_ERROR(CheckFile());
   if (!write_health_.is_suspect() && reserve_.HasReserve()) return absl::OkStatus();
@@ -87,7 +94,7 @@ absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(
     core::Cancelled cancelled) {
   return std::make_unique<SqliteVerifier>(
       [this](const SqliteVerifier::Look& look) { return Read(look); }, found_at_opening_,
-      std::move(cancelled));
+      std::move(cancelled), [this] { index_is_corrupt_ = true; });
 }
 
 absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(

@@ -41,11 +41,18 @@ auto SqliteMotionStore::WriteWith(const WriteOptions& terms, const Work& work, A
 
 template <typename Work>
 auto SqliteMotionStore::WriteAndFree(const WriteOptions& terms, const Work& work, Added added) {
-  auto freed = WriteWith(
-      terms, [&](Connection& connection) { return work(connection, FreePolicy::kFree); }, added);
-  if (!absl::IsDataLoss(StatusOf(freed))) return freed;
-  return WriteWith(
-      terms, [&](Connection& connection) { return work(connection, FreePolicy::kLeave); }, added);
+  const auto write = [&](FreePolicy remains) {
+    const auto change = [&](Connection& connection) { return work(connection, remains); };
+    return WithSearchIndex([&] { return WriteWith(terms, change, added); });
+  };
+  auto freed = write(FreePolicy::kFree);
+  return absl::IsDataLoss(StatusOf(freed)) ? write(FreePolicy::kLeave) : std::move(freed);
+}
+
+template <typename Change>
+auto SqliteMotionStore::WithSearchIndex(const Change& change) {
+  auto result = change();
+  return IsOfSearchIndex(StatusOf(result)) ? change() : result;
 }
 
 template <typename Work>

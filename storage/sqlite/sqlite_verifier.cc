@@ -15,6 +15,8 @@
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/edit_table.h"
+#include "storage/sqlite/file_faults.h"
+#include "storage/sqlite/index_corruption.h"
 #include "storage/sqlite/operation_table.h"
 #include "storage/sqlite/row_checksum.h"
 #include "storage/sqlite/schema.h"
@@ -177,22 +179,12 @@ absl::Status SqliteVerifier::CheckFile(Connection& connection) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto pages, connection.QueryInteger("PRAGMA page_count"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, connection.QueryInteger("PRAGMA page_size"));
   file_bytes_ = std::max<std::int64_t>(1, pages * page_bytes);
-  Statement structure = connection.Query("PRAGMA integrity_check(20)");
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool row, structure.Step());
-    if (!row) break;
-    if (const std::string text = structure.Text(0); text != "ok") {
-      MOTIONDB_RETURN_IF_ERROR(Note("", core::DataLoss("the file: {}", text)));
-    }
+  std::vector<std::string> faults;
+  const absl::Status checked = FindFileFaults(connection, faults);
+  for (const std::string& fault : faults) {
+    MOTIONDB_RETURN_IF_ERROR(Note("", core::DataLoss("the file: {}", fault)));
   }
-  Statement reference = connection.Query("PRAGMA foreign_key_check");
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool row, reference.Step());
-    if (!row) break;
-    MOTIONDB_RETURN_IF_ERROR(
-        Note("", core::DataLoss("the file: row {} of table {} refers to a missing row of table {}",
-                                reference.Integer(1), reference.Text(0), reference.Text(2))));
-  }
+  MOTIONDB_RETURN_IF_ERROR(checked);
   Advance();
   return absl::OkStatus();
 }
@@ -201,12 +193,23 @@ absl::Status SqliteVerifier::CheckSearchIndex(Connection& connection) {
   Advance();
   const Interruptible interruptible(connection, cancelled_);
   const auto wrong = FindWrongWords(connection);
-  if (!wrong.ok()) return Note("", In("the search index", wrong.status()));
+  index_is_readable_ = wrong.ok();
+  if (!wrong.ok()) return NoteCorruptIndex("", wrong.status());
   for (const std::string& resource : *wrong) {
     MOTIONDB_RETURN_IF_ERROR(
-        Note(resource, core::DataLoss("search index: its words differ from the clip")));
+        NoteCorruptIndex(resource, core::DataLoss("its words differ from the clip")));
   }
   return absl::OkStatus();
+}
+
+absl::Status SqliteVerifier::NoteCorruptIndex(const std::string& resource,
+                                              const absl::Status& status) {
+  const absl::Status placed = In("search index", OfSearchIndex(status));
+  if (!absl::IsDataLoss(placed)) return Note(resource, placed);
+  if (on_corrupt_index_) on_corrupt_index_();
+  return Note(resource,
+              core::DataLoss("{}; the next change or search rebuilds the index from the clips",
+                             std::string(placed.message())));
 }
 
 absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
@@ -236,8 +239,8 @@ absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
   ++totals_.clip_count;
   const std::string name = MemberName(database, "clips", id);
   const BlobOwner owner = ClipOwner(last_key_);
-  MOTIONDB_RETURN_IF_ERROR(
-      Note(name, CheckAnnotations(connection, {row.Integer(7), last_key_, database, id})));
+  const ClipRef clip{row.Integer(7), last_key_, database, id};
+  MOTIONDB_RETURN_IF_ERROR(Note(name, CheckAnnotations(connection, clip)));
   MOTIONDB_RETURN_IF_ERROR(Note(name, CheckBytes(connection, owner, BlobKind::kMotionFile)));
   MOTIONDB_RETURN_IF_ERROR(Note(name, CheckBytes(connection, owner, BlobKind::kSkeletonFile)));
   MOTIONDB_RETURN_IF_ERROR(Note(name, CheckStates(connection, last_key_, frames, crc)));
@@ -248,7 +251,9 @@ absl::Status SqliteVerifier::CheckAnnotations(Connection& connection, const Clip
   MOTIONDB_ASSIGN_OR_RETURN(const ClipRecord record,
                             SelectClip(connection, clip.database, clip.clip));
   MOTIONDB_ASSIGN_OR_RETURN(const auto segments, SelectSegments(connection, clip));
-  return CheckClipText(connection, clip.clip_key, TextOf(record, segments));
+  if (!index_is_readable_) return absl::OkStatus();
+  return NoteCorruptIndex(MemberName(clip.database, "clips", clip.clip),
+                          CheckClipText(connection, clip.clip_key, TextOf(record, segments)));
 }
 
 absl::StatusOr<bool> SqliteVerifier::CheckNextEdit(Connection& connection) {

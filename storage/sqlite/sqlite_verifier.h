@@ -21,9 +21,14 @@ class SqliteVerifier final : public StoreVerifier {
   using Look = std::function<absl::Status(Connection&)>;
   using Read = std::function<absl::Status(const Look&)>;
 
-  // Only Step calls `read`; it must stay valid as long as the verifier. `known` is reported first.
-  SqliteVerifier(Read read, std::vector<Corruption> known, core::Cancelled cancelled)
-      : read_(std::move(read)), cancelled_(std::move(cancelled)), found_(std::move(known)) {
+  // Only Step calls `read` and `on_corrupt_index`, which may be empty; they must stay valid as long
+  // as the verifier. `known` is reported first.
+  SqliteVerifier(Read read, std::vector<Corruption> known, core::Cancelled cancelled,
+                 std::function<void()> on_corrupt_index = {})
+      : read_(std::move(read)),
+        on_corrupt_index_(std::move(on_corrupt_index)),
+        cancelled_(std::move(cancelled)),
+        found_(std::move(known)) {
     totals_.damage_count = static_cast<std::int32_t>(found_.size());
   }
 
@@ -47,6 +52,8 @@ class SqliteVerifier final : public StoreVerifier {
 
   absl::Status CheckFile(Connection& connection);
   absl::Status CheckSearchIndex(Connection& connection);
+  // Notes that the index is corrupt, with the words of a clip if `resource` is not empty.
+  absl::Status NoteCorruptIndex(const std::string& resource, const absl::Status& status);
   // Each checks the row after `last_key_`. Returns false if there is none.
   absl::StatusOr<bool> CheckClip(Connection& connection);
   absl::StatusOr<bool> CheckSkeleton(Connection& connection);
@@ -69,10 +76,12 @@ class SqliteVerifier final : public StoreVerifier {
   void Advance();
 
   const Read read_;
+  const std::function<void()> on_corrupt_index_;
   const core::Cancelled cancelled_;
   Phase phase_ = Phase::kSchema;
   std::int64_t last_key_ = 0;    // last checked row (kRows: number of checked tables)
   std::int64_t file_bytes_ = 1;  // size of the file, for progress()
+  bool index_is_readable_ = true;
   VerifyTotals totals_;
   std::vector<Corruption> found_;
 };

@@ -106,6 +106,8 @@ absl::StatusCode ToStatusCode(int code) {
     case SQLITE_READONLY:
     case SQLITE_PERM:
       return absl::StatusCode::kUnavailable;
+    case SQLITE_INTERRUPT:
+      return absl::StatusCode::kCancelled;
     case SQLITE_TOOBIG:
       return absl::StatusCode::kInvalidArgument;
     default:

@@ -96,7 +96,8 @@ class Statement {
 //   CORRUPT, NOTADB -> DATA_LOSS             FULL, NOMEM -> RESOURCE_EXHAUSTED
 //   IOERR of a read -> DATA_LOSS             a UNIQUE or PRIMARY KEY constraint -> ALREADY_EXISTS
 //   other IOERR, BUSY, LOCKED, CANTOPEN, PROTOCOL, READONLY, PERM -> UNAVAILABLE
-//   TOOBIG -> INVALID_ARGUMENT               any other -> INTERNAL
+//   TOOBIG -> INVALID_ARGUMENT               INTERRUPT -> CANCELLED
+//   any other -> INTERNAL
 absl::Status SqliteError(sqlite3* database, int code);
 
 }  // namespace motiondb::storage

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/index_corruption.h"
 
 namespace motiondb::storage {
 
@@ -27,6 +28,9 @@ void Transaction::RollBack() {
   if (connection_->in_transaction()) connection_->Query("ROLLBACK").Run().IgnoreError();
 }
 
-absl::Status Transaction::Commit() { return connection_->Query("COMMIT").Run(); }
+absl::Status Transaction::Commit() {
+  // Only the search index reads now: it stores what it has kept in memory.
+  return OfSearchIndex(connection_->Query("COMMIT").Run());
+}
 
 }  // namespace motiondb::storage

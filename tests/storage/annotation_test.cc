@@ -248,12 +248,8 @@ TEST_CASE("Annotations: a corrupt page of the search index or of edits does not 
   OverwritePage(file, table);
   const auto store = file.Open();
   CHECK_FALSE(Findings(*store).empty());
-  if (table == "edit") {
-    CHECK_FALSE(store->annotations().ListEdits("d", "", 0, 10).ok());
-    REQUIRE_OK(store->annotations().SearchClips("d", "walk"));
-  } else if (table == "clip_text_data") {
-    CHECK(absl::IsDataLoss(store->annotations().SearchClips("d", "walk").status()));
-  }
+  if (table == "edit") CHECK_FALSE(store->annotations().ListEdits("d", "", 0, 10).ok());
+  REQUIRE_OK(store->annotations().SearchClips("d", "walk"));
   REQUIRE(Require(store->ListClips("d", {})).size() == 2);
   REQUIRE_OK(store->annotations().ListSegments("d", "a"));
   REQUIRE_OK(store->annotations().Changes("d", 0, 10));

@@ -58,7 +58,7 @@ constexpr std::array kAllowed = {
     "SELECT rowid, title, description, tags, labels, subject, file_name FROM clip_text",
     "SELECT model_key, name, version",
     "SELECT skeleton_key, skeleton.id",
-    // Of a received file, which is read as a whole.
+    // Fills the index of an exported database or of a corrupt one.
     "SELECT clip_key, title, description, subject, file_name, annotations FROM clip ",
     "SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema ",
 };

@@ -28,10 +28,17 @@ struct WrittenFile {
   bool force = false;
 };
 
+// A written file gets its name when it is complete; a sent file has a size, for the progress.
+std::string CheckIsNoStream(const std::string& file) {
+  return file == "-" ? "expected the name of a file, got '-'; a standard stream cannot be used"
+                     : "";
+}
+
 // `existing`: what --force replaces.
 void AddWrittenFile(CLI::App& command, WrittenFile& options, const char* existing) {
   command.add_option("FILE", options.file, "Output file; it appears when it is complete")
-      ->required();
+      ->required()
+      ->check(CheckIsNoStream);
   command.add_flag(
       "--force", options.force,
       fmt::format("Replace an existing {}; never the store of a server or another file", existing));
@@ -85,7 +92,9 @@ struct RestoreOptions {
 };
 
 void Declare(CLI::App& command, RestoreOptions& options) {
-  command.add_option("FILE", options.file, "Backup file of `motiondb backup`")->required();
+  command.add_option("FILE", options.file, "Backup file of `motiondb backup`")
+      ->required()
+      ->check(CheckIsNoStream);
 }
 
 // Returns the tokens of `now` that are valid and were not before.
@@ -193,7 +202,9 @@ struct ImportDatabaseOptions {
 };
 
 void Declare(CLI::App& command, ImportDatabaseOptions& options) {
-  command.add_option("FILE", options.file, "File of `motiondb export-database`")->required();
+  command.add_option("FILE", options.file, "File of `motiondb export-database`")
+      ->required()
+      ->check(CheckIsNoStream);
   command.add_option("--as", options.as, "Name of the new database; else the exported name")
       ->type_name("DB");
 }

@@ -12,6 +12,7 @@
 #include <motiondb/v1/query.grpc.pb.h>
 #include <motiondb/v1/segment.grpc.pb.h>
 #include <motiondb/v1/server.grpc.pb.h>
+#include <motiondb/v1/store.grpc.pb.h>
 #include <motiondb/v1/view.grpc.pb.h>
 
 #include <chrono>
@@ -83,6 +84,16 @@ void Stream(const FakeServer::Reply& reply, grpc::ServerWriter<Message>* writer)
     return StatusOf(reply);                                                  \
   }
 
+#define MOTIONDB_FAKE_UPLOAD(Method)                                                \
+  Status Method(ServerContext*, grpc::ServerReader<v1::Method##Request>* reader,    \
+                v1::Method##Response* response) override {                          \
+    v1::Method##Request message;                                                    \
+    while (reader->Read(&message)) fake.Keep(#Method, message.SerializeAsString()); \
+    const auto reply = fake.Next(#Method);                                          \
+    Fill(reply, response);                                                          \
+    return StatusOf(reply);                                                         \
+  }
+
 struct FakeServer::Services {
   struct Databases : v1::DatabaseService::Service {
     explicit Databases(FakeServer& server) : fake(server) {}
@@ -105,14 +116,7 @@ struct FakeServer::Services {
 
   struct Clips : v1::ClipService::Service {
     explicit Clips(FakeServer& server) : fake(server) {}
-    Status IngestClip(ServerContext*, grpc::ServerReader<v1::IngestClipRequest>* reader,
-                      v1::IngestClipResponse* response) override {
-      v1::IngestClipRequest message;
-      while (reader->Read(&message)) fake.Keep("IngestClip", message.SerializeAsString());
-      const auto reply = fake.Next("IngestClip");
-      Fill(reply, response);
-      return StatusOf(reply);
-    }
+    MOTIONDB_FAKE_UPLOAD(IngestClip)
     MOTIONDB_FAKE_UNARY(GetClip)
     MOTIONDB_FAKE_UNARY(ListClips)
     MOTIONDB_FAKE_UNARY(UpdateClip)
@@ -195,6 +199,15 @@ struct FakeServer::Services {
     FakeServer& fake;
   };
 
+  struct Stores : v1::StoreService::Service {
+    explicit Stores(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_STREAM(BackupStore)
+    MOTIONDB_FAKE_UPLOAD(RestoreStore)
+    MOTIONDB_FAKE_STREAM(ExportDatabase)
+    MOTIONDB_FAKE_UPLOAD(ImportDatabase)
+    FakeServer& fake;
+  };
+
   struct Server : v1::ServerService::Service {
     explicit Server(FakeServer& server) : fake(server) {}
     MOTIONDB_FAKE_UNARY(GetServerStatus)
@@ -213,6 +226,7 @@ struct FakeServer::Services {
         observations(fake),
         operations(fake),
         access(fake),
+        stores(fake),
         status(fake) {}
 
   Databases databases;
@@ -226,12 +240,14 @@ struct FakeServer::Services {
   Observations observations;
   Operations operations;
   Access access;
+  Stores stores;
   Server status;
   std::unique_ptr<grpc::Server> server;
 };
 
 #undef MOTIONDB_FAKE_UNARY
 #undef MOTIONDB_FAKE_STREAM
+#undef MOTIONDB_FAKE_UPLOAD
 
 FakeServer::FakeServer() {
   // gRPC may lose its port to another program between bind and listen; then try again.
@@ -257,6 +273,7 @@ void FakeServer::Listen() {
   builder.RegisterService(&services_->observations);
   builder.RegisterService(&services_->operations);
   builder.RegisterService(&services_->access);
+  builder.RegisterService(&services_->stores);
   builder.RegisterService(&services_->status);
   services_->server = builder.BuildAndStart();
   address_ = "127.0.0.1:" + std::to_string(port);

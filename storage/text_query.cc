@@ -1,102 +1,62 @@
 #include "storage/text_query.h"
 
+#include <utf8proc.h>
+
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
+#include <iterator>
 
 #include "core/motion/error.h"
+#include "text/utf8.h"
 
 namespace motiondb::storage {
 namespace {
 
-// clang-format off
-// Pairs of a letter and what it is normalised to, ascending: Latin letters without accent, and
-// Latin, Greek and Cyrillic capitals in lower case. All have a code point below 0x10000.
-constexpr std::u16string_view kFolds =
-    u"ÀaÁaÂaÃaÄaÅaÆæÇcÈeÉeÊeËeÌiÍiÎiÏiÐðÑnÒoÓoÔoÕoÖoØøÙuÚuÛuÜuÝyÞþàaáaâaãaäaåaçcèeéeêeëeìiíiîi"
-    u"ïiñnòoóoôoõoöoùuúuûuüuýyÿyĀaāaĂaăaĄaąaĆcćcĈcĉcĊcċcČcčcĎdďdĐđĒeēeĔeĕeĖeėeĘeęeĚeěeĜgĝgĞgğg"
-    u"ĠgġgĢgģgĤhĥhĦħĨiĩiĪiīiĬiĭiĮiįiİiĲĳĴjĵjĶkķkĹlĺlĻlļlĽlľlĿŀŁłŃnńnŅnņnŇnňnŊŋŌoōoŎoŏoŐoőoŒœŔr"
-    u"ŕrŖrŗrŘrřrŚsśsŜsŝsŞsşsŠsšsŢtţtŤtťtŦŧŨuũuŪuūuŬuŭuŮuůuŰuűuŲuųuŴwŵwŶyŷyŸyŹzźzŻzżzŽzžzƁɓƂƃƄƅ"
-    u"ƆɔƇƈƉɖƊɗƋƌƎǝƏəƐɛƑƒƓɠƔɣƖɩƗɨƘƙƜɯƝɲƟɵƠoơoƢƣƤƥƦʀƧƨƩʃƬƭƮʈƯuưuƱʊƲʋƳƴƵƶƷʒƸƹƼƽǄǆǅǆǇǉǈǉǊǌǋǌǍaǎaǏi"
-    u"ǐiǑoǒoǓuǔuǕuǖuǗuǘuǙuǚuǛuǜuǞaǟaǠaǡaǢǣǤǥǦgǧgǨkǩkǪoǫoǬoǭoǮǯǰjǱǳǲǳǴgǵgǶƕǷƿǸnǹnǺaǻaǼǽǾǿȀaȁaȂa"
-    u"ȃaȄeȅeȆeȇeȈiȉiȊiȋiȌoȍoȎoȏoȐrȑrȒrȓrȔuȕuȖuȗuȘsșsȚtțtȜȝȞhȟhȠƞȢȣȤȥȦaȧaȨeȩeȪoȫoȬoȭoȮoȯoȰoȱoȲy"
-    u"ȳyȺⱥȻȼȽƚȾⱦɁɂɃƀɄʉɅʌɆɇɈɉɊɋɌɍɎɏΆάΈέΉήΊίΌόΎύΏώΑαΒβΓγΔδΕεΖζΗηΘθΙιΚκΛλΜμΝνΞξΟοΠπΡρΣσΤτΥυΦφΧχΨψ"
-    u"ΩωΪϊΫϋϏϗЀѐЁёЂђЃѓЄєЅѕІіЇїЈјЉљЊњЋћЌќЍѝЎўЏџАаБбВвГгДдЕеЖжЗзИиЙйКкЛлМмНнОоПпРрСсТтУуФфХхЦцЧч"
-    u"ШшЩщЪъЫыЬьЭэЮюЯяѠѡѢѣѤѥѦѧѨѩѪѫѬѭѮѯѰѱѲѳѴѵѶѷѸѹѺѻѼѽѾѿҀҁҊҋҌҍҎҏҐґҒғҔҕҖҗҘҙҚқҜҝҞҟҠҡҢңҤҥҦҧҨҩҪҫҬҭҮү"
-    u"ҰұҲҳҴҵҶҷҸҹҺһҼҽҾҿӀӏӁӂӃӄӅӆӇӈӉӊӋӌӍӎӐӑӒӓӔӕӖӗӘәӚӛӜӝӞӟӠӡӢӣӤӥӦӧӨөӪӫӬӭӮӯӰӱӲӳӴӵӶӷӸӹӺӻӼӽӾӿԀԁԂԃԄԅԆԇ"
-    u"ԈԉԊԋԌԍԎԏԐԑԒԓԔԕԖԗԘԙԚԛԜԝԞԟԠԡԢԣԤԥԦԧԨԩԪԫԬԭԮԯḀaḁaḂbḃbḄbḅbḆbḇbḈcḉcḊdḋdḌdḍdḎdḏdḐdḑdḒdḓdḔeḕe"
-    u"Ḗ"
-    u"eḗe"
-    u"ḘeḙeḚeḛeḜeḝeḞfḟfḠgḡgḢhḣhḤhḥhḦhḧhḨhḩhḪhḫhḬiḭiḮiḯiḰkḱkḲkḳkḴkḵkḶlḷlḸlḹlḺlḻlḼlḽlḾmḿmṀmṁmṂmṃm"
-    u"ṄnṅnṆnṇnṈnṉnṊnṋnṌoṍoṎoṏoṐoṑoṒoṓoṔpṕpṖpṗpṘrṙrṚrṛrṜrṝrṞrṟrṠsṡsṢsṣsṤsṥsṦsṧsṨsṩsṪtṫtṬtṭtṮtṯt"
-    u"ṰtṱtṲuṳuṴuṵuṶuṷuṸuṹuṺuṻuṼvṽvṾvṿvẀwẁwẂwẃwẄwẅwẆwẇwẈwẉwẊxẋxẌxẍxẎyẏyẐzẑzẒzẓzẔzẕzẖhẗtẘwẙyẞßẠa"
-    u"ạaẢaảaẤaấaẦaầaẨaẩaẪaẫaẬaậaẮaắaẰaằaẲaẳaẴaẵaẶaặaẸeẹeẺeẻeẼeẽeẾeếeỀeềeỂeểeỄeễeỆeệeỈiỉiỊiịiỌo"
-    u"ọoỎoỏoỐoốoỒoồoỔoổoỖoỗoỘoộoỚoớoỜoờoỞoởoỠoỡoỢoợoỤuụuỦuủuỨuứuỪuừuỬuửuỮuữuỰuựuỲyỳyỴyỵyỶyỷyỸy"
-    u"ỹyỺỻỼỽỾỿ";
-// clang-format on
-
-constexpr char32_t kInvalid = 0;
-
-// Reads the next character; kInvalid if the bytes are not UTF-8.
-char32_t NextCharacter(std::string_view& text) {
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
-  const std::uint8_t first = byte(0);
-  const std::size_t size = first < 0x80 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-  char32_t character = size == 1 ? first : first & (0x7f >> size);
-  bool is_valid = first < 0x80 || (first >= 0xc2 && first < 0xf5 && text.size() >= size);
-  for (std::size_t i = 1; is_valid && i < size; ++i) {
-    is_valid = (byte(i) & 0xc0) == 0x80;
-    character = character << 6 | (byte(i) & 0x3f);
+// Returns the characters of a text in lower case and decomposed: a letter comes before its accents.
+// Invalid bytes become U+FFFD, which is no letter.
+std::vector<utf8proc_int32_t> FoldedCharacters(std::string_view text) {
+  const std::string valid = text::ValidUtf8(text);
+  const auto* const bytes = reinterpret_cast<const utf8proc_uint8_t*>(valid.data());
+  constexpr auto kOptions =
+      static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD);
+  std::vector<utf8proc_int32_t> characters(valid.size());
+  while (true) {
+    const utf8proc_ssize_t needed = utf8proc_decompose(bytes, std::ssize(valid), characters.data(),
+                                                       std::ssize(characters), kOptions);
+    const bool fits = needed <= std::ssize(characters);
+    characters.resize(static_cast<std::size_t>(std::max<utf8proc_ssize_t>(0, needed)));
+    if (fits) return characters;
   }
-  text.remove_prefix(is_valid ? size : 1);
-  return is_valid ? character : kInvalid;
 }
 
-void Append(char32_t c, std::string& text) {
-  if (c < 0x80) {
-    text += static_cast<char>(c);
-    return;
+// Accents of the Latin, Greek and Cyrillic scripts. Marks of other scripts are parts of letters.
+bool IsAccent(utf8proc_int32_t c) { return c >= 0x300 && c <= 0x36f; }
+
+enum class Kind { kLetter, kMark, kSeparator };
+
+Kind KindOf(utf8proc_int32_t c) {
+  switch (utf8proc_category(c)) {
+    case UTF8PROC_CATEGORY_LU:
+    case UTF8PROC_CATEGORY_LL:
+    case UTF8PROC_CATEGORY_LT:
+    case UTF8PROC_CATEGORY_LM:
+    case UTF8PROC_CATEGORY_LO:
+    case UTF8PROC_CATEGORY_ND:
+    case UTF8PROC_CATEGORY_NL:
+      return Kind::kLetter;
+    case UTF8PROC_CATEGORY_MN:
+    case UTF8PROC_CATEGORY_MC:
+    case UTF8PROC_CATEGORY_ME:
+      return Kind::kMark;
+    default:
+      return Kind::kSeparator;
   }
-  const int rest = c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;  // bytes after the first
-  constexpr std::array<unsigned, 4> kMarks = {0, 0xc0, 0xe0, 0xf0};
-  text += static_cast<char>(kMarks[static_cast<std::size_t>(rest)] | (c >> (6 * rest)));
-  for (int i = rest - 1; i >= 0; --i) text += static_cast<char>(0x80 | (c >> (6 * i) & 0x3f));
 }
 
-struct CharacterRange {
-  char32_t first, last;
-};
-
-// Marks that are written over the letter before.
-bool IsAccent(char32_t c) { return c >= 0x300 && c <= 0x36f; }
-
-// Characters outside of ASCII that are neither letters nor digits, in the blocks in common use.
-bool IsSeparator(char32_t c) {
-  if (c < 0x80)
-    return !((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'));
-  if (c == 0xaa || c == 0xb5 || c == 0xba) return false;  // letters among the signs
-  constexpr CharacterRange kSeparators[] = {
-      {0x80, 0xbf},     {0xd7, 0xd7},     {0xf7, 0xf7},     {0x2000, 0x2bff}, {0x3000, 0x303f},
-      {0xd800, 0xf8ff}, {0xfe00, 0xfe6f}, {0xfeff, 0xff0f}, {0xff1a, 0xff20}, {0xfff0, 0xffff}};
-  return std::ranges::any_of(
-      kSeparators, [c](const auto& range) { return c >= range.first && c <= range.last; });
-}
-
-char32_t Fold(char32_t c) {
-  if (c < 0x80) return c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c;
-  std::size_t first = 0;
-  std::size_t end = kFolds.size() / 2;
-  while (first < end) {
-    const std::size_t middle = (first + end) / 2;
-    const char32_t letter = kFolds[2 * middle];
-    if (letter == c) return kFolds[2 * middle + 1];
-    if (letter < c) {
-      first = middle + 1;
-    } else {
-      end = middle;
-    }
-  }
-  return c;
+void Append(utf8proc_int32_t c, std::string& text) {
+  std::array<utf8proc_uint8_t, 4> bytes;
+  const utf8proc_ssize_t size = utf8proc_encode_char(c, bytes.data());
+  text.append(reinterpret_cast<const char*>(bytes.data()), static_cast<std::size_t>(size));
 }
 
 std::string JoinItems(const std::vector<std::string>& items) {
@@ -128,12 +88,17 @@ bool Occurs(const TextTerm& term, std::string_view field) {
 }  // namespace
 
 std::vector<std::string> SearchWords(std::string_view text) {
+  std::vector<utf8proc_int32_t> characters = FoldedCharacters(text);
+  std::erase_if(characters, IsAccent);
+  const utf8proc_ssize_t size =
+      utf8proc_normalize_utf32(characters.data(), std::ssize(characters),
+                               static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
+  characters.resize(static_cast<std::size_t>(size));
   std::vector<std::string> words(1);
-  while (!text.empty()) {
-    const char32_t c = NextCharacter(text);
-    if (IsAccent(c)) continue;
-    if (!IsSeparator(c)) {
-      Append(Fold(c), words.back());
+  for (const utf8proc_int32_t c : characters) {
+    const Kind kind = KindOf(c);
+    if (kind == Kind::kLetter || (kind == Kind::kMark && !words.back().empty())) {
+      Append(c, words.back());
     } else if (!words.back().empty()) {
       words.emplace_back();
     }

@@ -1,8 +1,10 @@
 // Words of the full-text search: normalised text, and queries. The same for every store, so that a
 // query finds the same clips in each.
 //
-// A word is a longest sequence of ASCII letters and digits and of other Unicode letters, in lower
-// case and, in the Latin script, without accents. Everything else separates words.
+// A word is a longest sequence of Unicode letters and digits, case folded (`Straße` is `strasse`)
+// and without the accents of U+0300 to U+036F. Marks of other scripts stay in their word.
+// Everything else separates words. Texts that look the same because they are canonically equivalent
+// have the same words.
 #pragma once
 
 #include <array>

@@ -371,6 +371,10 @@ UPDATE model SET row_crc = motiondb_crc(model_key, database_key, version, curren
 CREATE INDEX model_by_revision ON model (database_key, revision);
 )sql";
 
+// The words of the search index are normalised otherwise: Upgrade (store_file.cc) has made the
+// index of version 10 again.
+constexpr char kUnicodeWords[] = "";
+
 constexpr const char* kMigrations[] = {kFirst,
                                        kExtensions,
                                        kAccess,
@@ -380,7 +384,8 @@ constexpr const char* kMigrations[] = {kFirst,
                                        kStagedModelsAndGlitches,
                                        kRepresentationVersions,
                                        kFormatsAndTakes,
-                                       kAnnotations};
+                                       kAnnotations,
+                                       kUnicodeWords};
 
 }  // namespace
 

@@ -12,6 +12,7 @@
 #include "core/motion/error.h"
 #include "storage/sqlite/big_endian.h"
 #include "storage/sqlite/clip_bytes.h"
+#include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/store_lock.h"
 #include "storage/sqlite/transaction.h"
@@ -120,6 +121,18 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std:
   return connection;
 }
 
+// Migrates a store to the current version.
+absl::Status Upgrade(Connection& connection) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto version, connection.QueryInteger("PRAGMA user_version"));
+  // Version 10 normalised the words of the search index otherwise. If the upgrade is interrupted,
+  // the index is made again. Of corrupt clips none can be made, which must not prevent opening.
+  if (version == 10) {
+    const absl::Status rebuilt = RebuildClipText(connection);
+    if (!rebuilt.ok() && !absl::IsDataLoss(rebuilt)) return rebuilt;
+  }
+  return Migrate(connection, Migrations());
+}
+
 }  // namespace
 
 bool IsStoreHeader(std::string_view header) {
@@ -166,7 +179,7 @@ absl::StatusOr<int> ReadStoreVersion(const std::string& path) {
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
                                                        const std::string& vfs) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriterWith(SQLITE_OPEN_CREATE, path, vfs));
-  const absl::Status migrated = Migrate(*connection, Migrations());
+  const absl::Status migrated = Upgrade(*connection);
   if (!migrated.ok()) {
     return absl::Status(migrated.code(),
                         fmt::format("'{}': {}", path, std::string(migrated.message())));
@@ -177,7 +190,7 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriterWith(0, path, ""));
-  MOTIONDB_RETURN_IF_ERROR(Migrate(*connection, Migrations()));
+  MOTIONDB_RETURN_IF_ERROR(Upgrade(*connection));
   FillMissingByteCounts(*connection);
   return connection;
 }

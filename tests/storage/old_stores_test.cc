@@ -8,6 +8,7 @@
 #include "storage/sqlite/store_file.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
@@ -15,7 +16,7 @@ namespace motiondb::tests::old_stores_test {
 
 TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its content",
           "[storage][migration]") {
-  const int version = GENERATE(1, 2, 3, 4, 5, 6, 7, 8, 9);
+  const int version = GENERATE(1, 2, 3, 4, 5, 6, 7, 8, 9, 10);
   const StoreFile file;
   std::ofstream(file.path(), std::ios::binary) << OldStore(version);
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));
@@ -101,6 +102,25 @@ TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its c
   }
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(storage::Migrations().size()));
   REQUIRE(file.Sql("PRAGMA integrity_check") == "ok");
+}
+
+TEST_CASE("SqliteMotionStore: the words of version 10 are normalised again",
+          "[storage][migration]") {
+  const StoreFile file;
+  {
+    const auto store = file.Open();
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    auto clip = SampleClip("d", "walk", 1);
+    clip.record.title = "Straße Шёлк";
+    REQUIRE_OK(store->AddClip(clip));
+  }
+  file.Sql("UPDATE clip_text SET title = 'straße шёлк'; PRAGMA user_version = 10");
+  SECTION("also of a corrupt index") {
+    CorruptPage(file.path(), std::stol(file.Sql(RootPageOf("clip_text_content"))));
+  }
+  const auto store = file.Open();
+  REQUIRE(Require(store->SearchClips("d", "STRASSE шелк")).size() == 1);
+  REQUIRE(Findings(*store).empty());
 }
 
 TEST_CASE("ReadStoreVersion: before and after an upgrade, also if it is only in the log",

@@ -1,7 +1,7 @@
 // Names, labels and descriptions are shown as text in every view, never as HTML.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { newPage, shown } from './support/browser.mjs';
+import { newPage, settled, shown } from './support/browser.mjs';
 import { setup } from './support/setup.mjs';
 
 async function checkHarmless(page) {
@@ -21,7 +21,7 @@ test('hostile texts of a database in every view of the navigation', async (t) =>
     const hostile = link.replace('/demo', '/hostile');
     await page.goto(`${setup.open}/${hostile}`);
     await shown(page);
-    await page.waitForLoadState('networkidle');
+    await settled(page);
     await checkHarmless(page);
   }
   t.diagnostic(`${own.length} views`);
@@ -34,7 +34,7 @@ test('hostile texts in the address', async (t) => {
     await page.goto('about:blank');
     await page.goto(`${setup.open}/#/${address}?q=${encodeURIComponent(setup.hostile)}`);
     await shown(page);
-    await page.waitForLoadState('networkidle');
+    await settled(page);
     await checkHarmless(page);
   }
 });

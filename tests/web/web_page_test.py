@@ -86,26 +86,16 @@ def start_servers(folder):
 
 
 def run_tests(setup, deadline):
+    """Runs the test files in one process with one browser; returns its exit code."""
     names = TESTS or sorted(os.path.basename(path).removesuffix(".test.mjs")
                             for path in glob.glob(os.path.join(HERE, "*.test.mjs")))
-    failed = []
-    for name in names:
-        began = time.monotonic()
-        print(f"== {name}", flush=True)
-        try:
-            result = subprocess.run(
-                ["node", "--test-reporter=spec", os.path.join(HERE, f"{name}.test.mjs")],
-                env=os.environ | {"MOTIONDB_WEB_TEST": json.dumps(setup)},
-                timeout=max(1, deadline - began))
-            passed = result.returncode == 0
-        except subprocess.TimeoutExpired:
-            print(f"{name}: not finished after {TIME_LIMIT} s in total", flush=True)
-            passed = False
-        print(f"== {name}: {'passed' if passed else 'FAILED'} in "
-              f"{time.monotonic() - began:.1f} s", flush=True)
-        if not passed:
-            failed.append(name)
-    return failed
+    try:
+        return subprocess.run(
+            ["node", "--test-reporter=spec", os.path.join(HERE, "run_tests.mjs"), *names],
+            env=os.environ | {"MOTIONDB_WEB_TEST": json.dumps(setup)},
+            timeout=max(1, deadline - time.monotonic())).returncode
+    except subprocess.TimeoutExpired:
+        sys.exit(f"web_page_test: not finished after {TIME_LIMIT} s")
 
 
 def main():
@@ -121,12 +111,12 @@ def main():
                      "motiondb": programs.MOTIONDB, "models": programs.MODELS,
                      "data": programs.DATA if has_recorded else "", "chromium": chromium,
                      "hostile": HOSTILE, "root": ROOT, "folder": folder}
-            failed = run_tests(setup, deadline)
+            code = run_tests(setup, deadline)
         finally:
             for server in (open_server, secure):
                 server.stop()
-    if failed:
-        sys.exit(f"web_page_test: failed: {', '.join(failed)}")
+    if code != 0:
+        sys.exit("web_page_test: failed")
     print("web_page_test: passed")
 
 

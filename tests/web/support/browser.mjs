@@ -17,7 +17,9 @@ async function launch() {
       '--use-gl=angle',
       '--use-angle=swiftshader',
       '--enable-unsafe-swiftshader',
+      // Otherwise a busy machine gets one picture a second, for which every click waits.
       '--disable-gpu-vsync',
+      '--disable-frame-rate-limit',
       '--disable-dev-shm-usage',
     ],
   });
@@ -66,6 +68,22 @@ export async function newPage(t, { expected = [], context, ...options } = {}) {
 export async function shown(page) {
   await page.locator('main').waitFor();
   await page.waitForFunction(() => (document.querySelector('main')?.childElementCount ?? 0) > 0);
+}
+
+// Waits until the view has not changed for half a second. Views keep streams of changes open, so the
+// network is never idle.
+export async function settled(page) {
+  await page.evaluate(
+    () =>
+      new Promise((resolve) => {
+        let timer = setTimeout(resolve, 500);
+        const observer = new MutationObserver(() => {
+          clearTimeout(timer);
+          timer = setTimeout(resolve, 500);
+        });
+        observer.observe(document.querySelector('main'), { childList: true, subtree: true });
+      }),
+  );
 }
 
 // Fails if axe finds a violation of WCAG 2.2 A or AA, or of its best practices.

@@ -24,7 +24,7 @@ export function tableOf(
   );
   return element(
     'div',
-    { class: 'table-scroll', role: 'region', 'aria-label': caption, tabindex: 0 },
+    { class: 'table-scroll', role: 'group', 'aria-label': caption, tabindex: 0 },
     element(
       'table',
       {},

@@ -58,7 +58,7 @@ export class OperationsPanel {
               { title: 'State' },
               { title: 'Progress' },
               { title: 'Changed' },
-              { title: '' },
+              { title: 'Action' },
             ],
             operations.map((operation) => [
               lastPart(operation.database),

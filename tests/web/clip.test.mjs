@@ -1,0 +1,101 @@
+// The player of a clip: positions, segments, speed of drawing, memory.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { checkAccessibility, newPage, shown } from './support/browser.mjs';
+import { project } from './support/projection.mjs';
+import { call } from './support/server.mjs';
+import { setup } from './support/setup.mjs';
+import { markersAt } from './support/stream.mjs';
+
+const clip = 'databases/demo/clips/01_01';
+
+async function openClip(t, query, options) {
+  const page = await newPage(t, options);
+  await page.goto(`${setup.open}/#/clip/demo/01_01?${query}`);
+  await shown(page);
+  await page.locator('.segment').first().waitFor();
+  await page.locator('.chart canvas').waitFor();
+  return page;
+}
+
+test('the rendered points are the positions of the server', async (t) => {
+  const frame = 60;
+  const markers = await markersAt(setup.open, clip, frame);
+  const [, x, y] = markers.find(([name]) => name === 'Pelvis');
+  const eye = [x + 2.5, y - 2.5, 1.75].map((value) => Number(value.toFixed(2)));
+  const target = [x, y, 1].map((value) => Number(value.toFixed(2)));
+  const camera = [...eye, ...target].join(',');
+  const page = await openClip(t, `t=1.0001&show=markers&camera=${camera}`);
+  const box = await page.locator('.scene canvas').boundingBox();
+  let same = 0;
+  for (const [name, ...point] of markers) {
+    const [left, top] = project(point, eye, target, box.width, box.height);
+    await page.mouse.move(box.x + left, box.y + top);
+    const shownText = await page.locator('.scene .overlay').textContent();
+    const [, ...numbers] = shownText.match(/x (\S+) {2}y (\S+) {2}z (\S+) m/) ?? [];
+    if (!shownText.startsWith(`${name} `)) continue;
+    numbers.forEach((text, axis) => assert.ok(Math.abs(Number(text) - point[axis]) < 6e-4, shownText));
+    ++same;
+  }
+  // Some markers are in front of others.
+  assert.ok(same >= 0.8 * markers.length, `${same} of ${markers.length}`);
+});
+
+test('segments are created, moved by keys, and deleted', async (t) => {
+  const page = await openClip(t, '');
+  await page.fill('.segment-form input >> nth=0', 'hands');
+  await page.fill('.segment-form input >> nth=1', 'wave');
+  await page.getByRole('button', { name: 'Add segment from here' }).click();
+  const segment = page.locator('.segment-body', { hasText: 'wave' });
+  await segment.waitFor();
+  const before = await segment.getAttribute('aria-label');
+  await page.locator('.edge.end').focus();
+  await page.keyboard.press('ArrowLeft');
+  await page.waitForFunction(
+    (text) => ![...document.querySelectorAll('.segment-body')].some((node) => node.getAttribute('aria-label') === text),
+    before,
+  );
+  await checkAccessibility(page);
+  await page.getByRole('button', { name: 'Delete' }).click();
+  await segment.waitFor({ state: 'detached' });
+});
+
+test('a change of somebody else is a conflict, not lost', async (t) => {
+  const page = await openClip(t, '', { expected: [/409 \(Conflict\)/] });
+  const { body } = await call(setup.open, 'SegmentService/CreateSegment', {
+    parent: clip,
+    segment: { track: 'conflict', label: 'mine', startSeconds: 0, endSeconds: 1 },
+  });
+  await page.reload();
+  await page.locator('.segment-body', { hasText: 'mine' }).click();
+  await call(setup.open, 'SegmentService/UpdateSegment', {
+    segment: { name: body.segment.name, label: 'theirs' },
+    updateMask: 'label',
+  });
+  await page.fill('.segment-form input >> nth=0', 'other');
+  await page.getByRole('button', { name: 'Save' }).click();
+  await page.getByRole('button', { name: 'Load the stored segments' }).click();
+  await page.locator('.segment-body', { hasText: 'theirs' }).waitFor();
+  await call(setup.open, 'SegmentService/DeleteSegment', { name: body.segment.name });
+});
+
+test('two clips play side by side', async (t) => {
+  const page = await openClip(t, 'with=01_03');
+  await page.locator('.motion-pane').nth(1).locator('canvas').waitFor();
+  await page.getByRole('button', { name: 'Align' }).click();
+  assert.match(page.url(), /with=01_03/);
+});
+
+test('without WebGL the player, segments and curves work', async (t) => {
+  const page = await newPage(t);
+  await page.addInitScript(() => {
+    const original = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      return kind.startsWith('webgl') ? null : original.call(this, kind, ...more);
+    };
+  });
+  await page.goto(`${setup.open}/#/clip/demo/01_01`);
+  await page.locator('.chart canvas').waitFor();
+  await page.getByRole('button', { name: 'Play' }).click();
+  await page.waitForFunction(() => /frame [1-9]/.test(document.querySelector('.position').textContent));
+});

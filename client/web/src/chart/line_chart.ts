@@ -132,9 +132,18 @@ export class LineChart {
   }
 
   private placeMark(): void {
-    const at = this.chart?.valToPos(this.marked, 'x') ?? NaN;
-    const visible = Number.isFinite(at) && at >= 0 && at <= (this.chart?.over.clientWidth ?? 0);
-    this.mark.hidden = !visible;
-    if (visible) this.mark.style.transform = `translateX(${at}px)`;
+    const at = this.positionOf(this.marked);
+    this.mark.hidden = at === undefined;
+    if (at !== undefined) this.mark.style.transform = `translateX(${at}px)`;
+  }
+
+  // Pixels from the left end of the plot; undefined outside it. Reads nothing from the document, so
+  // that a mark that moves with a motion makes no layout.
+  private positionOf(x: number): number | undefined {
+    const scale = this.chart?.scales['x'];
+    if (!this.chart || scale?.min === undefined || scale.max === undefined) return undefined;
+    const part = (x - scale.min) / (scale.max - scale.min);
+    const width = this.chart.bbox.width / devicePixelRatio;
+    return part >= 0 && part <= 1 ? Math.round(part * width) : undefined;
   }
 }

@@ -2,6 +2,8 @@ import { button, element, labelled, selectOf } from '../dom/element';
 import { clock as clockText } from '../dom/format';
 import type { PlaybackClock } from './playback_clock';
 
+// While the motion plays, text and slider follow it at this interval.
+const kDrawMilliseconds = 50;
 const kSpeeds = ['0.1', '0.25', '0.5', '1', '2', '4'] as const;
 
 // Buttons, slider and keys of a clock: space plays, comma and full stop step by a frame, Home and
@@ -14,6 +16,7 @@ export class PlayerControls {
   private readonly remove: () => void;
   private shownFrame = -1;
   private shownPlaying: boolean | null = null;
+  private drawnAt = -Infinity;
 
   constructor(private readonly clock: PlaybackClock) {
     this.playButton = button(
@@ -100,7 +103,10 @@ export class PlayerControls {
       this.slider.max = String(last);
       this.shownFrame = -1;
     }
-    if (clock.frame === this.shownFrame) return;
+    const now = performance.now();
+    const early = clock.playing && now - this.drawnAt < kDrawMilliseconds;
+    if (clock.frame === this.shownFrame || early) return;
+    this.drawnAt = now;
     this.shownFrame = clock.frame;
     this.slider.value = String(clock.frame);
     this.slider.setAttribute('aria-valuetext', `frame ${clock.frame}`);

@@ -128,44 +128,62 @@ export class FigureObject {
     this.scene.invalidate();
   }
 
+  // Writes the matrices in place: this runs for each picture of a motion that plays.
   private updatePoints(): void {
+    const { positions } = this;
     const radius = this.style.pointRadius ?? 0.022;
-    const count =
-      radius > 0 ? Math.min(this.figure.names.length, Math.floor(this.positions.length / 3)) : 0;
-    this.points.count = count;
-    for (let point = 0; point < count; ++point) {
-      const [x, y, z] = this.positionOf(point);
-      const scale = Number.isFinite(x + y + z)
-        ? point === this.highlighted
-          ? 1.7 * radius
-          : radius
-        : 0;
-      this.matrix.makeScale(scale, scale, scale);
-      if (scale > 0) this.matrix.setPosition(x, y, z);
-      this.points.setMatrixAt(point, this.matrix);
+    const count = radius > 0 ? Math.min(this.figure.names.length, positions.length / 3) : 0;
+    this.points.count = Math.floor(count);
+    const matrices = this.points.instanceMatrix.array;
+    for (let point = 0; point < this.points.count; ++point) {
+      const x = positions[3 * point] ?? NaN;
+      const y = positions[3 * point + 1] ?? NaN;
+      const z = positions[3 * point + 2] ?? NaN;
+      const known = Number.isFinite(x + y + z);
+      const size = known ? (point === this.highlighted ? 1.7 * radius : radius) : 0;
+      const at = 16 * point;
+      matrices[at] = matrices[at + 5] = matrices[at + 10] = size;
+      matrices[at + 12] = known ? x : 0;
+      matrices[at + 13] = known ? y : 0;
+      matrices[at + 14] = known ? z : 0;
+      matrices[at + 15] = 1;
     }
     this.points.instanceMatrix.needsUpdate = true;
     this.scene.invalidate();
   }
 
   private updateBones(): void {
-    const radius = this.style.boneRadius ?? 0.009;
-    this.bones.count = this.figure.bones.length;
-    this.figure.bones.forEach((bone, index) => {
-      this.from.set(...this.positionOf(bone.fromPoint));
-      this.to.set(...this.positionOf(bone.toPoint)).sub(this.from);
-      const length = this.to.length();
-      if (Number.isFinite(length) && length > 0) {
-        this.turn.setFromUnitVectors(kUp, this.size.copy(this.to).divideScalar(length));
-        this.from.addScaledVector(this.to, 0.5);
-        this.matrix.compose(this.from, this.turn, this.size.set(radius, length, radius));
-      } else {
-        this.matrix.makeScale(0, 0, 0);
-      }
-      this.bones.setMatrixAt(index, this.matrix);
-    });
+    const { bones } = this.figure;
+    this.bones.count = bones.length;
+    for (let index = 0; index < bones.length; ++index) this.placeBone(index);
     this.bones.instanceMatrix.needsUpdate = true;
     this.scene.invalidate();
+  }
+
+  private placeBone(index: number): void {
+    const bone = this.figure.bones[index];
+    if (!bone) return;
+    const radius = this.style.boneRadius ?? 0.009;
+    this.readPosition(bone.fromPoint, this.from);
+    this.readPosition(bone.toPoint, this.to).sub(this.from);
+    const length = this.to.length();
+    if (Number.isFinite(length) && length > 0) {
+      this.turn.setFromUnitVectors(kUp, this.size.copy(this.to).divideScalar(length));
+      this.from.addScaledVector(this.to, 0.5);
+      this.matrix.compose(this.from, this.turn, this.size.set(radius, length, radius));
+    } else {
+      this.matrix.makeScale(0, 0, 0);
+    }
+    this.bones.setMatrixAt(index, this.matrix);
+  }
+
+  private readPosition(point: number, into: Vector3): Vector3 {
+    const { positions } = this;
+    return into.set(
+      positions[3 * point] ?? NaN,
+      positions[3 * point + 1] ?? NaN,
+      positions[3 * point + 2] ?? NaN,
+    );
   }
 
   private applyColors(): void {

@@ -27,8 +27,8 @@ export interface ScreenPoint {
   y: number;
 }
 
-// A picture in three dimensions: metres, z up. It renders only after `invalidate`, a move of the
-// camera, or while `animate` has a callback.
+// A picture in three dimensions: metres, z up. It renders only after `invalidate` or a move of the
+// camera.
 export class Scene {
   readonly root = new ThreeScene();
   readonly camera = new PerspectiveCamera(40, 1, 0.05, 500);
@@ -37,7 +37,10 @@ export class Scene {
   private readonly disposer = new Disposer();
   private readonly animations = new Set<(seconds: number) => void>();
   private request = 0;
+  // Something has changed since the last picture.
+  private changed = true;
   private lastTime = 0;
+  private lastPicture = 0;
   private width = 1;
   private height = 1;
   private readonly scratch = new Vector3();
@@ -76,6 +79,11 @@ export class Scene {
 
   // Renders before the next picture of the screen.
   invalidate(): void {
+    this.changed = true;
+    this.requestPicture();
+  }
+
+  private requestPicture(): void {
     if (this.request === 0 && !this.disposer.disposed) {
       this.request = requestAnimationFrame((time) => {
         this.render(time);
@@ -83,12 +91,12 @@ export class Scene {
     }
   }
 
-  // Calls back before each picture, with the time since the last one in seconds, until the returned
-  // function is called.
+  // Calls back before each picture of the screen, with the time since the last one in seconds, until
+  // the returned function is called.
   animate(callback: (seconds: number) => void): () => void {
     this.animations.add(callback);
     this.lastTime = 0;
-    this.invalidate();
+    this.requestPicture();
     return () => this.animations.delete(callback);
   }
 
@@ -128,11 +136,16 @@ export class Scene {
     const begin = performance.now();
     const seconds = this.lastTime === 0 ? 0 : (time - this.lastTime) / 1000;
     for (const callback of [...this.animations]) callback(seconds);
-    this.renderer.render(this.root, this.camera);
     const running = this.animations.size > 0;
     this.lastTime = running ? time : 0;
-    this.statistics.add(performance.now() - begin, seconds, this.renderer.info.render.calls);
-    if (running) this.invalidate();
+    if (this.changed) {
+      this.changed = false;
+      this.renderer.render(this.root, this.camera);
+      const between = running && this.lastPicture > 0 ? (time - this.lastPicture) / 1000 : 0;
+      this.statistics.add(performance.now() - begin, between, this.renderer.info.render.calls);
+      this.lastPicture = running ? time : 0;
+    }
+    if (running) this.requestPicture();
   }
 
   private resize(host: HTMLElement): void {
@@ -154,10 +167,11 @@ export class Scene {
 // A scene that fills its host; undefined, with a text in the host, if the browser has no WebGL.
 export function createScene(host: HTMLElement, options: SceneOptions): Scene | undefined {
   const canvas = element('canvas', { tabindex: 0, role: 'img', 'aria-label': options.label });
-  const context = canvas.getContext('webgl2', {
-    antialias: devicePixelRatio < 2,
-    powerPreference: 'low-power',
-  });
+  const attributes = { antialias: devicePixelRatio < 2, powerPreference: 'low-power' } as const;
+  // Smooth edges cost a processor that draws alone most of its time.
+  const context =
+    canvas.getContext('webgl2', { ...attributes, failIfMajorPerformanceCaveat: true }) ??
+    canvas.getContext('webgl2', { ...attributes, antialias: false });
   if (!context) {
     host.append(
       element(

@@ -70,6 +70,7 @@ export function fillTrails(
   length: number,
 ): number {
   const stride = Math.max(1, Math.ceil(length / kSamples));
+  const { positions } = track;
   const size = track.names.length * 3;
   let end = 0;
   for (const point of points) {
@@ -79,10 +80,11 @@ export function fillTrails(
       if (earlier < 0 || earlier < frame - length) break;
       const a = earlier * size + 3 * point;
       const b = later * size + 3 * point;
-      if (Number.isNaN(track.positions[a] ?? NaN) || Number.isNaN(track.positions[b] ?? NaN))
-        continue;
-      values.set(track.positions.subarray(a, a + 3), end);
-      values.set(track.positions.subarray(b, b + 3), end + 3);
+      if (Number.isNaN(positions[a] ?? NaN) || Number.isNaN(positions[b] ?? NaN)) continue;
+      for (let axis = 0; axis < 3; ++axis) {
+        values[end + axis] = positions[a + axis] ?? NaN;
+        values[end + 3 + axis] = positions[b + axis] ?? NaN;
+      }
       end += 6;
     }
   }

@@ -33,6 +33,7 @@ export class MotionStage {
   private trails: TrailObject | undefined;
   private trailPoints: readonly number[] = [];
   private time = 0;
+  private shownFrame = -1;
   private cameraPlaced = false;
 
   constructor(theme: ThemeSwitch, label: string, parts: readonly StagePart[]) {
@@ -83,12 +84,14 @@ export class MotionStage {
     if (shown) this.shown.add(part);
     else this.shown.delete(part);
     this.applyParts();
+    this.shownFrame = -1;
     this.show(this.time);
   }
 
   setTrailPoints(points: readonly number[]): void {
     this.trailPoints = points;
     this.trails?.show(this.shown.has('trails') ? points : []);
+    this.shownFrame = -1;
   }
 
   highlight(marker: number): void {
@@ -106,6 +109,9 @@ export class MotionStage {
     const { motion } = this;
     if (!motion || motion.frameCount === 0) return;
     const frame = frameAt(motion, time);
+    // Frames that have not arrived yet are drawn again.
+    if (frame === this.shownFrame && frame < motion.receivedFrames) return;
+    this.shownFrame = frame < motion.receivedFrames ? frame : -1;
     const positions = frameOf(motion.markers, frame);
     this.markers?.update(positions);
     this.joints?.update(frameOf(motion.joints, frame));
@@ -157,6 +163,7 @@ export class MotionStage {
       part?.dispose();
     this.floor = this.markers = this.joints = this.contacts = this.trails = undefined;
     this.motion = undefined;
+    this.shownFrame = -1;
   }
 }
 

@@ -1,4 +1,5 @@
 import { element, replaceChildren } from '../dom/element';
+import { keepFocus } from '../dom/focus';
 import { clock as clockText } from '../dom/format';
 import { labelClass } from './label_color';
 import { moveEdge, ticksOf, tracksOf, type Edge, type TimeRange } from './segment_edit';
@@ -19,6 +20,8 @@ export class Timeline {
   readonly node = element('div', { class: 'timeline', role: 'group', 'aria-label': 'Timeline' });
   private readonly lanes = element('div', { class: 'lanes' });
   private readonly playhead = element('div', { class: 'playhead' });
+  // Moved by a transform of its whole width, which needs no layout.
+  private readonly playheads = element('div', { class: 'playheads' }, this.playhead);
   private readonly extraRows: HTMLElement[] = [];
   private segments: readonly StoredSegment[] = [];
   private selected = '';
@@ -66,13 +69,10 @@ export class Timeline {
   show(seconds: number): void {
     if (seconds === this.shownTime) return;
     this.shownTime = seconds;
-    this.playhead.style.left = this.percent(seconds);
+    this.playhead.style.transform = `translateX(${this.percent(seconds)})`;
   }
 
   private draw(): void {
-    const hadFocus = this.node.contains(document.activeElement)
-      ? document.activeElement?.getAttribute('data-key')
-      : null;
     const axis = element('div', { class: 'axis', 'aria-hidden': 'true' });
     for (const tick of ticksOf(this.duration, kMaxTicks * this.zoom)) {
       const mark = element('span', {}, String(Number(tick.toFixed(2))));
@@ -80,9 +80,9 @@ export class Timeline {
       axis.append(mark);
     }
     const rows = tracksOf(this.segments).map((track) => this.rowOf(track));
-    replaceChildren(this.lanes, axis, ...this.extraRows, ...rows, this.playhead);
-    if (hadFocus)
-      this.lanes.querySelector<HTMLElement>(`[data-key="${CSS.escape(hadFocus)}"]`)?.focus();
+    keepFocus(this.lanes, () => {
+      replaceChildren(this.lanes, axis, ...this.extraRows, ...rows, this.playheads);
+    });
   }
 
   private rowOf(track: string): HTMLElement {

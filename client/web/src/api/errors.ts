@@ -43,6 +43,10 @@ export function describeError(error: unknown): DescribedError | undefined {
       described.field = fromBinary(BadRequestSchema, detail.value).fieldViolations[0]?.field ?? '';
     }
   }
+  if (failure.code === Code.Unimplemented)
+    described.message =
+      'The server does not have this function, because it is older than this page. ' +
+      `Update motiondbd, then load the page again. (${failure.rawMessage})`;
   if (isConnectionLost(error))
     described.message = `The server does not answer: ${failure.rawMessage}`;
   return described;

@@ -3,7 +3,7 @@ import { element } from './element';
 // Lets the browser store bytes as a file.
 export function downloadBytes(
   fileName: string,
-  parts: readonly Uint8Array[],
+  parts: readonly (Uint8Array | Blob)[],
   type = 'application/octet-stream',
 ): void {
   const url = URL.createObjectURL(new Blob([...parts] as BlobPart[], { type }));

@@ -6,6 +6,8 @@ import { bytes } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { ViewContext } from '../../shell/view';
 
+const kCollectBytes = 8 * 1024 * 1024;
+
 interface Block {
   totalBytes: bigint;
   block: Uint8Array;
@@ -77,17 +79,25 @@ export class BackupPanel {
     this.bar.hidden = false;
     this.bar.value = 0;
     try {
-      const parts: Uint8Array[] = [];
+      // A Blob is outside the memory of the page; the browser keeps a large one on the disk.
+      let file = new Blob();
+      let parts: Uint8Array[] = [];
       let total = 0;
       let received = 0;
+      let collected = 0;
       for await (const { totalBytes, block } of stream) {
         if (totalBytes > 0n) total = Number(totalBytes);
         parts.push(block);
         received += block.length;
+        if (received - collected >= kCollectBytes) {
+          file = new Blob([file, ...parts] as BlobPart[]);
+          parts = [];
+          collected = received;
+        }
         if (total > 0) this.bar.value = received / total;
       }
       if (received < total) throw new Error(`Expected ${total} bytes, got ${received}.`);
-      downloadBytes(fileName, parts);
+      downloadBytes(fileName, [file, ...parts]);
       this.notice.message(`${fileName}: ${bytes(received)}`);
     } catch (error) {
       this.notice.error(error);

@@ -26,7 +26,7 @@ export function clipDetails(clip: Clip): HTMLElement {
   for (const [name, value] of entries) {
     if (value !== '') list.append(element('dt', {}, name), element('dd', {}, value));
   }
-  return element('details', { class: 'panel' }, element('summary', {}, 'Properties'), list);
+  return list;
 }
 
 export function textOf(field: FieldValue): string {

@@ -1,5 +1,5 @@
 import '../../style/clip.css';
-import type { Clip } from '../../api/messages';
+import type { Clip, WatchDatabaseResponse } from '../../api/messages';
 import { clipName, isClipId } from '../../api/resource_names';
 import { mayActAs } from '../../api/session';
 import { Disposer } from '../../dom/disposer';
@@ -13,8 +13,9 @@ import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
 import { kStageParts, type StagePart } from '../../stage/motion_stage';
 import { ContactRibbon } from '../../timeline/contact_ribbon';
 import { SegmentPanel } from '../../timeline/segment_panel';
+import { watchDatabase } from '../../watch/database_watch';
 import { OperationProgress } from '../operation_progress';
-import { clipDetails } from './clip_details';
+import { ClipProperties } from './clip_properties';
 import { ComparePanel } from './compare_panel';
 import { CurvePanel } from './curve_panel';
 import { MotionPane } from './motion_pane';
@@ -42,6 +43,8 @@ class ClipView {
   private readonly clock = new PlaybackClock(0, 60);
   // As in the URL that was opened; the view changes the URL later.
   private readonly query: URLSearchParams;
+  private properties: ClipProperties | undefined;
+  private segments: SegmentPanel | undefined;
 
   constructor(
     host: HTMLElement,
@@ -124,7 +127,16 @@ class ClipView {
     this.disposer.listen(document, 'keydown', (event) => {
       player.press(event);
     });
-    this.below.append(this.progress.node, clipDetails(clip));
+    this.properties = new ClipProperties({
+      api: this.context.api,
+      clip,
+      editable: mayActAs(this.context.session, 'ingester'),
+      signal: this.disposer.signal,
+      announce: (text) => {
+        this.context.announce(text);
+      },
+    });
+    this.below.append(this.progress.node, this.properties.node);
     this.disposer.add(driveClock(this.clock, pane.stage.scene));
     this.disposer.add(
       this.clock.onChange(() => {
@@ -134,6 +146,25 @@ class ClipView {
     );
     if (query.get('statistics') !== null) this.showStatistics(pane);
     void pane.load();
+    void watchDatabase(this.context.api, {
+      database: this.params.database,
+      signal: this.disposer.signal,
+      changed: (changes) => {
+        this.follow(changes);
+      },
+    });
+  }
+
+  // Shows what other clients have changed.
+  private follow(changes: readonly WatchDatabaseResponse[]): void {
+    const name = clipName(this.params.database, this.id);
+    for (const { change } of changes) {
+      if (change.case === 'clip' && change.value.name === name)
+        this.properties?.follow(change.value);
+      if (change.case === 'deleted' && change.value === name)
+        this.notice.message('Another client has deleted this clip.');
+    }
+    this.segments?.follow(changes);
   }
 
   private openPane(clip: Clip, parts: readonly StagePart[]): MotionPane {
@@ -181,6 +212,7 @@ class ClipView {
         this.progress.watch(operation);
       },
     });
+    this.segments = panel;
     this.below.prepend(panel.node);
     if (motion.contacts.length > 0) {
       const ribbon = new ContactRibbon(this.context.theme);

@@ -1,0 +1,47 @@
+import { create } from '@bufbuild/protobuf';
+import { expect, test } from 'vitest';
+import { ClipSchema } from '../../api/messages';
+import { changedPaths, clipOf, valuesOf } from './clip_values';
+
+const clip = create(ClipSchema, {
+  title: 'A jump',
+  description: 'Two lines\nof text',
+  tags: ['indoor', 'slow'],
+  fields: {
+    take: { value: { case: 'number', value: 3 } },
+    good: { value: { case: 'flag', value: false } },
+    actor: { value: { case: 'text', value: 'A "B" <C>' } },
+    day: { value: { case: 'time', value: { seconds: 1_700_000_000n, nanos: 0 } } },
+  },
+});
+
+test('values survive editing', () => {
+  const values = valuesOf(clip);
+  expect(values.fields.map((field) => field.name)).toEqual(['actor', 'day', 'good', 'take']);
+  const { title, description, tags, fields } = clip;
+  expect(clipOf(values)).toEqual({ title, description, tags, fields });
+  expect(changedPaths(values, valuesOf(clip))).toEqual([]);
+});
+
+test('only changed values are sent', () => {
+  const values = valuesOf(clip);
+  const edited = { ...values, tags: 'indoor', fields: values.fields.slice(1) };
+  expect(changedPaths(values, edited)).toEqual(['tags', 'fields']);
+});
+
+test('tags have spaces or commas between them', () => {
+  expect(clipOf({ ...valuesOf(clip), tags: ' a, b  c ' }).tags).toEqual(['a', 'b', 'c']);
+});
+
+test('a field that is not valid is an error that names it', () => {
+  const withField = (kind: 'number' | 'flag' | 'time', text: string) => () =>
+    clipOf({ ...valuesOf(clip), fields: [{ name: 'mass', kind, text }] });
+  expect(withField('number', '7,5')).toThrow("Field mass: expected a number, got '7,5'.");
+  expect(withField('number', '')).toThrow('expected a number');
+  expect(withField('flag', 'yes')).toThrow('expected true or false');
+  expect(withField('time', 'today')).toThrow('expected a time');
+  const twice = { name: 'a', kind: 'text', text: 'b' } as const;
+  expect(() => clipOf({ ...valuesOf(clip), fields: [twice, twice] })).toThrow('got two');
+  const nameless = { name: '', kind: 'text', text: 'b' } as const;
+  expect(() => clipOf({ ...valuesOf(clip), fields: [nameless] })).toThrow('Expected a name');
+});

@@ -1,6 +1,6 @@
 import { Code } from '@connectrpc/connect';
 import { hasCode } from '../api/errors';
-import { SegmentSource, type Operation } from '../api/messages';
+import { SegmentSource, type Operation, type WatchDatabaseResponse } from '../api/messages';
 import { button, element, labelled, replaceChildren } from '../dom/element';
 import { Notice } from '../dom/notice';
 import type { PlaybackClock } from '../player/playback_clock';
@@ -27,6 +27,8 @@ export class SegmentPanel {
   private readonly form = element('div', { class: 'segment-form row' });
   private readonly notice = new Notice();
   private selected = '';
+  private running = 0;
+  private waiting: WatchDatabaseResponse[] = [];
 
   constructor(private readonly options: SegmentPanelOptions) {
     const { clock } = options;
@@ -76,6 +78,29 @@ export class SegmentPanel {
       this.notice.node,
     );
     this.run(() => this.store.reload());
+  }
+
+  // Shows changes of the database by other clients. A form with input that is not saved stays, with
+  // a notice; saving it is then a conflict. No changes: some can have been missed.
+  follow(changes: readonly WatchDatabaseResponse[]): void {
+    if (this.running > 0) {
+      // Can be the echo of the change that runs.
+      this.waiting.push(...changes);
+      return;
+    }
+    if (changes.length > 0 && !changes.some((change) => this.store.isNew(change))) return;
+    if (this.isEdited()) {
+      this.notice.message('Another client has changed the segments of this clip.', [
+        this.reloadButton(),
+      ]);
+    } else {
+      this.run(() => this.store.reload());
+    }
+  }
+
+  private isEdited(): boolean {
+    const inputs = [...this.form.querySelectorAll('input')];
+    return inputs.some((input) => input.value !== input.defaultValue);
   }
 
   private select(name: string): void {
@@ -187,12 +212,22 @@ export class SegmentPanel {
   // Runs a change; an error appears here. After a conflict the user can load the stored version.
   private run(change: () => Promise<unknown>): void {
     this.notice.clear();
-    change().catch((error: unknown) => {
-      this.timeline.setSegments(this.store.all);
-      const reload = button('Load the stored segments', () => {
-        this.run(() => this.store.reload());
+    ++this.running;
+    change()
+      .catch((error: unknown) => {
+        this.timeline.setSegments(this.store.all);
+        const conflict = hasCode(error, Code.Aborted, Code.NotFound);
+        this.notice.error(error, conflict ? [this.reloadButton()] : []);
+      })
+      .finally(() => {
+        --this.running;
+        if (this.running === 0 && this.waiting.length > 0) this.follow(this.waiting.splice(0));
       });
-      this.notice.error(error, hasCode(error, Code.Aborted, Code.NotFound) ? [reload] : []);
+  }
+
+  private reloadButton(): HTMLElement {
+    return button('Load the stored segments', () => {
+      this.run(() => this.store.reload());
     });
   }
 }

@@ -1,7 +1,12 @@
 import { create } from '@bufbuild/protobuf';
 import { FieldMaskSchema } from '@bufbuild/protobuf/wkt';
 import type { Api } from '../api/api';
-import { SegmentSource, type Operation, type Segment } from '../api/messages';
+import {
+  SegmentSource,
+  type Operation,
+  type Segment,
+  type WatchDatabaseResponse,
+} from '../api/messages';
 import type { TimedSegment, TimeRange } from './segment_edit';
 
 // A segment as the timeline shows it.
@@ -31,6 +36,16 @@ export class SegmentStore {
 
   find(name: string): StoredSegment | undefined {
     return this.segments.find((segment) => segment.name === name);
+  }
+
+  // True if a change of the database is one of this clip's segments that is not here yet.
+  isNew({ change }: WatchDatabaseResponse): boolean {
+    if (change.case === 'segment')
+      return (
+        change.value.name.startsWith(`${this.clip}/`) &&
+        this.find(change.value.name)?.etag !== change.value.etag
+      );
+    return change.case === 'deleted' && this.find(change.value) !== undefined;
   }
 
   async reload(): Promise<void> {

@@ -1,6 +1,7 @@
 import type { Clip } from '../../api/messages';
 import { lastPart } from '../../api/resource_names';
 import { button, element, replaceChildren } from '../../dom/element';
+import { keepFocus } from '../../dom/focus';
 import { count, seconds, time } from '../../dom/format';
 import { hrefOf } from '../../shell/place';
 import { labelClass } from '../../timeline/label_color';
@@ -47,11 +48,13 @@ export class ClipTable {
         element('th', { scope: 'col' }, element('span', { class: 'visually-hidden' }, 'Actions')),
       );
     const body = element('tbody', {}, ...clips.map((clip) => this.row(clip)));
-    replaceChildren(
-      this.node,
-      element('table', { class: 'clips' }, element('thead', {}, head), body),
-      clips.length === 0 && element('p', { class: 'hint' }, 'No clips.'),
-    );
+    keepFocus(this.node, () => {
+      replaceChildren(
+        this.node,
+        element('table', { class: 'clips' }, element('thead', {}, head), body),
+        clips.length === 0 && element('p', { class: 'hint' }, 'No clips.'),
+      );
+    });
   }
 
   private heading(column: (typeof kColumns)[number], orderBy: string | null): HTMLElement {
@@ -70,7 +73,7 @@ export class ClipTable {
         () => {
           this.options.order(nextOrder(orderBy, field));
         },
-        { class: 'sort' },
+        { class: 'sort', 'data-key': `sort ${field}` },
       ),
     );
     return cell;
@@ -95,7 +98,7 @@ export class ClipTable {
           this.options.thumbnails.create(clip),
         ),
       ),
-      element('td', {}, element('a', { href }, id)),
+      element('td', {}, element('a', { href, 'data-key': id }, id)),
       element('td', {}, label),
       element('td', {}, clip.subject),
       element('td', {}, clip.title),
@@ -122,7 +125,7 @@ export class ClipTable {
         node.textContent = 'Really delete';
         node.setAttribute('aria-label', `Really delete ${id}`);
       },
-      { 'aria-label': `Delete ${id}` },
+      { 'aria-label': `Delete ${id}`, 'data-key': `delete ${id}` },
     );
     node.addEventListener('blur', () => {
       asked = false;

@@ -7,6 +7,7 @@ import { button, element, replaceChildren } from '../../dom/element';
 import { count } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
+import { watchDatabase } from '../../watch/database_watch';
 import { OperationProgress } from '../operation_progress';
 import { kFacetFields, kPageSize, queryOf, stateOf } from './clip_list_state';
 import { ClipTable } from './clip_table';
@@ -14,6 +15,8 @@ import { FacetPanel } from './facet_panel';
 import { FilterBox } from './filter_box';
 import { Thumbnails } from './thumbnail';
 import { UploadPanel } from './upload_panel';
+
+const kSettleMilliseconds = 300;
 
 // The clips of a database: list, search and upload.
 export const open: OpenView = (host, context, params) => {
@@ -44,6 +47,7 @@ class ClipsView {
   private readonly pager = element('nav', { class: 'row', 'aria-label': 'Pages' });
   private readonly notice = new Notice();
   private reading: AbortController | undefined;
+  private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     host: HTMLElement,
@@ -96,6 +100,16 @@ class ClipsView {
   start(): void {
     void this.read();
     void this.watchOperation();
+    void watchDatabase(this.context.api, {
+      database: this.params.database,
+      signal: this.disposer.signal,
+      changed: () => {
+        this.readSoon();
+      },
+    });
+    this.disposer.add(() => {
+      clearTimeout(this.timer);
+    });
     this.disposer.add(
       this.context.connection.onChange((state) => {
         if (state === 'connected') void this.read();
@@ -125,6 +139,15 @@ class ClipsView {
     Object.assign(this.state, change, { pages: [] });
     this.context.setQuery(queryOf(this.state));
     void this.read();
+  }
+
+  // Changes of other clients come in bursts, for example while files are ingested.
+  private readSoon(): void {
+    this.timer ??= setTimeout(() => {
+      this.timer = undefined;
+      void this.read();
+      void this.watchOperation();
+    }, kSettleMilliseconds);
   }
 
   // Reads the page; an older answer is dropped.

@@ -1,5 +1,6 @@
 import type { Facet } from '../../api/messages';
 import { button, element, replaceChildren } from '../../dom/element';
+import { keepFocus } from '../../dom/focus';
 import { count } from '../../dom/format';
 import { facetTerm, hasTerm, toggleTerm } from './filter_text';
 
@@ -12,12 +13,12 @@ export class FacetPanel {
   constructor(private readonly apply: (filter: string) => void) {}
 
   draw(facets: readonly Facet[], filter: string): void {
-    replaceChildren(
-      this.node,
-      ...facets
-        .filter((facet) => facet.values.length > 0)
-        .map((facet) => this.groupOf(facet, filter)),
-    );
+    const groups = facets
+      .filter((facet) => facet.values.length > 0)
+      .map((facet) => this.groupOf(facet, filter));
+    keepFocus(this.node, () => {
+      replaceChildren(this.node, ...groups);
+    });
   }
 
   private groupOf(facet: Facet, filter: string): HTMLElement {
@@ -30,7 +31,7 @@ export class FacetPanel {
         () => {
           this.apply(toggleTerm(filter, term));
         },
-        { 'aria-pressed': String(chosen), class: 'facet' },
+        { 'aria-pressed': String(chosen), class: 'facet', 'data-key': term },
       );
       choice.append(element('span', { class: 'facet-count' }, ` ${count(value.clipCount)}`));
       list.append(element('li', { hidden: index >= kShownValues && !chosen }, choice));

@@ -1,0 +1,60 @@
+import { Code } from '@connectrpc/connect';
+import type { Api } from '../api/api';
+import { hasCode } from '../api/errors';
+import type { WatchDatabaseResponse } from '../api/messages';
+import { databaseName } from '../api/resource_names';
+
+const kRetryMilliseconds = 2000;
+
+export interface WatchOptions {
+  database: string;
+  signal: AbortSignal;
+  // A stored transaction: its changes in order. Also called with no changes if changes can have
+  // been missed: then the caller reads everything again.
+  readonly changed: (changes: readonly WatchDatabaseResponse[]) => void;
+}
+
+// Follows the changes of a database, also those of other clients, until the signal aborts. After a
+// lost connection it continues where it was. It ends if the database is deleted, or if the server
+// has no such call; then the view shows changes when it is opened again.
+export async function watchDatabase(
+  api: Api,
+  { database, signal, changed }: WatchOptions,
+): Promise<void> {
+  const name = databaseName(database);
+  let revision: bigint | undefined;
+  while (!signal.aborted) {
+    try {
+      if (revision === undefined) {
+        const stored = await api.databases.getDatabase({ name }, { signal });
+        revision = stored.database?.revision ?? 0n;
+      }
+      const request = { name, afterRevision: revision };
+      let changes: WatchDatabaseResponse[] = [];
+      for await (const response of api.databases.watchDatabase(request, { signal })) {
+        if (response.change.case !== undefined) changes.push(response);
+        if (!response.upToDate) continue;
+        revision = response.revision;
+        if (changes.length > 0) changed(changes);
+        changes = [];
+      }
+    } catch (error) {
+      if (isFinal(error)) return;
+      if (hasCode(error, Code.OutOfRange, Code.FailedPrecondition)) {
+        revision = undefined;
+        changed([]);
+      }
+    }
+    await new Promise((resolve) => setTimeout(resolve, kRetryMilliseconds));
+  }
+}
+
+function isFinal(error: unknown): boolean {
+  return hasCode(
+    error,
+    Code.NotFound,
+    Code.Unimplemented,
+    Code.PermissionDenied,
+    Code.Unauthenticated,
+  );
+}

@@ -73,15 +73,6 @@ absl::Status InsertText(Connection& connection, std::int64_t clip_key, const Cli
       .Run();
 }
 
-// Returns the status of a change of the index as OfSearchIndex. If it is OK, makes FTS5 write what
-// it has kept in memory: a later statement of the transaction would do it and return the error.
-absl::Status Flushed(Connection& connection, absl::Status status) {
-  for (const char* const flush : {"SAVEPOINT clip_text", "RELEASE clip_text"}) {
-    if (status.ok()) status = connection.Query(flush).Run();
-  }
-  return OfSearchIndex(status);
-}
-
 }  // namespace
 
 int AddWordsFunction(sqlite3* database) {
@@ -91,21 +82,30 @@ int AddWordsFunction(sqlite3* database) {
 }
 
 absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
-  return Flushed(connection, InsertText(connection, clip_key, text));
+  MOTIONDB_RETURN_IF_ERROR(OfSearchIndex(InsertText(connection, clip_key, text)));
+  return FlushClipTexts(connection);
 }
 
 absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
-  return Flushed(connection,
-                 connection
-                     .Query("UPDATE clip_text SET title = ?, description = ?, tags = ?, labels = "
-                            "?, subject = ?, file_name = ? WHERE rowid = ?",
-                            text[0], text[1], text[2], text[3], text[4], text[5], clip_key)
-                     .Run());
+  return OfSearchIndex(
+      connection
+          .Query("UPDATE clip_text SET title = ?, description = ?, tags = ?, labels = ?, subject = "
+                 "?, file_name = ? WHERE rowid = ?",
+                 text[0], text[1], text[2], text[3], text[4], text[5], clip_key)
+          .Run());
 }
 
 absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key) {
-  return Flushed(connection,
-                 connection.Query("DELETE FROM clip_text WHERE rowid = ?", clip_key).Run());
+  MOTIONDB_RETURN_IF_ERROR(
+      OfSearchIndex(connection.Query("DELETE FROM clip_text WHERE rowid = ?", clip_key).Run()));
+  return FlushClipTexts(connection);
+}
+
+absl::Status FlushClipTexts(Connection& connection) {
+  for (const char* const flush : {"SAVEPOINT clip_text", "RELEASE clip_text"}) {
+    MOTIONDB_RETURN_IF_ERROR(OfSearchIndex(connection.Query(flush).Run()));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status FillClipText(Connection& connection) {
@@ -114,7 +114,7 @@ absl::Status FillClipText(Connection& connection) {
       "WHERE deleted = 0");
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, clip.Step());
-    if (!found) return Flushed(connection, absl::OkStatus());
+    if (!found) return FlushClipTexts(connection);
     ClipRecord record;
     record.title = clip.Text(1);
     record.description = clip.Text(2);

@@ -23,9 +23,13 @@ int AddWordsFunction(sqlite3* database);
 
 // REQUIRES: the clip has no text in the index.
 absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
+// FlushClipTexts must follow, before another table changes.
 absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
 // OK if the clip has none.
 absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key);
+// Makes FTS5 write the words that it keeps in memory. A later statement of the transaction would do
+// it, and return its error.
+absl::Status FlushClipTexts(Connection& connection);
 
 // Fills the empty index with the texts of all clips. A clip whose tags are corrupt is found by the
 // rest of its text.

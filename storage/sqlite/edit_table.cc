@@ -85,7 +85,7 @@ class EditWriter {
     for (const std::string& clip : changed_texts) {
       MOTIONDB_RETURN_IF_ERROR(UpdateText(clips_.at(clip)));
     }
-    return absl::OkStatus();
+    return FlushClipTexts(connection_);
   }
 
   absl::Status StoreSegment(const ClipRef& ref, const EditedObject& object, std::int64_t revision) {

@@ -30,16 +30,16 @@ using StoreHeader = std::array<char, kStoreHeaderBytes>;
 // Timeout for SQLite's locks, ms. They are held only briefly.
 constexpr int kLockWait = 10'000;
 
-// Settings of every connection.
+// Settings of every connection. The cache holds the pages that lists of 100,000 clips come back to.
 constexpr char kCommonSetup[] = R"sql(
 PRAGMA mmap_size = 0;
+PRAGMA cache_size = -16384;
 PRAGMA trusted_schema = OFF;
 )sql";
 
 constexpr char kWriterSetup[] = R"sql(
 PRAGMA foreign_keys = ON;
 PRAGMA synchronous = FULL;
-PRAGMA cache_size = -16384;
 PRAGMA journal_size_limit = 67108864;
 )sql";
 
@@ -216,11 +216,12 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenImmutable(const std::string& pat
         opened, Connection::Open(ImmutableUri(path), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, ""));
   }
   Connection& connection = **opened;
+  // With this setting SQLite accepts a page count that is larger than the file. It must precede the
+  // settings that read the schema.
+  if (is_short) MOTIONDB_RETURN_IF_ERROR(connection.Execute("PRAGMA writable_schema = ON"));
   sqlite3_db_config(connection.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   MOTIONDB_RETURN_IF_ERROR(SetUp(connection));
   MOTIONDB_RETURN_IF_ERROR(connection.Execute(kReaderSetup));
-  // With this setting SQLite accepts a page count that is larger than the file.
-  if (is_short) MOTIONDB_RETURN_IF_ERROR(connection.Execute("PRAGMA writable_schema = ON"));
   return opened;
 }
 

@@ -1,9 +1,13 @@
 // A call that fails at any point changes nothing. The test installs faults when SQLite opens a
 // connection (sqlite3_auto_extension), so the store needs no test code.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
 #include <string>
+#include <utility>
 
+#include "tests/storage/backup_bytes.h"
+#include "tests/storage/exported_database_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"
@@ -42,6 +46,16 @@ int SetFaults(sqlite3* connection, const char**, const void*) {
     return sqlite3_exec(connection, pragma.c_str(), nullptr, nullptr, nullptr);
   }
   return SQLITE_OK;
+}
+
+std::string CountRows(const StoreFile& file) {
+  std::string counts;
+  for (const std::string table :
+       {"database", "skeleton", "skeleton_chunk", "clip", "clip_chunk", "segment", "model",
+        "model_layer", "model_clip", "model_chunk", "tombstone", "edit", "clip_text"}) {
+    counts += file.Sql("SELECT count(*) FROM " + table) + " ";
+  }
+  return counts;
 }
 
 // Enables faults during its lifetime.
@@ -91,6 +105,51 @@ TEST_CASE("SqliteMotionStore: a call that is interrupted at any step changes not
     REQUIRE(interrupted > 10);
     REQUIRE(Dump(*store) != before);
   }
+}
+
+TEST_CASE("SqliteMotionStore: an import that is interrupted at any step shows and keeps nothing",
+          "[storage][fault]") {
+  const StoreFile source_file;
+  const auto source = source_file.Open();
+  FillWithEverything(*source, "d");
+  const std::string bytes = Export(*source, "d");
+  const Faults faults;
+  const StoreFile file;
+  const auto store = file.Open();
+  FillWithEverything(*store, "kept");
+  const std::string before = Dump(*store);
+  const std::string rows = CountRows(file);
+  const std::string files = file.OtherFiles();
+  const auto remove = [&] {
+    REQUIRE(DumpDatabase(*store, "new") == DumpDatabase(*source, "d"));
+    REQUIRE_OK(store->DeleteDatabase("new"));
+    REQUIRE_OK(store->PurgeDeletedDatabases({}));
+  };
+  constexpr int kMany = 1'000'000'000;
+  steps_left = kMany;
+  REQUIRE_OK(Import(*store, bytes, "new"));
+  const int total = kMany - std::exchange(steps_left, 0);
+  remove();
+  int interrupted = 0;
+  int staged = 0;
+  // Small strides at both ends: the transaction that shows the database is short.
+  for (int steps = 1; steps <= total; steps += 1 + std::min(steps, total - steps) / 10) {
+    steps_left = steps;
+    const absl::Status status = Import(*store, bytes, "new");
+    if (std::exchange(steps_left, 0) == 0) ++interrupted;
+    INFO("after " << steps << " steps: " << status);
+    if (status.ok()) remove();  // the interrupted step was not necessary
+    if (Dump(*store) != before || file.OtherFiles() != files) FAIL("changed");
+    if (CountRows(file) == rows) continue;
+    ++staged;
+    REQUIRE_OK(store->PurgeDeletedDatabases({}));
+    if (CountRows(file) != rows) FAIL("not purged");
+  }
+  REQUIRE(interrupted > 50);
+  REQUIRE(staged > 0);
+  REQUIRE(Findings(*store).empty());
+  REQUIRE_OK(Import(*store, bytes, "new"));
+  remove();
 }
 
 TEST_CASE("SqliteMotionStore: opening can be interrupted at any step and repeated",

@@ -86,6 +86,39 @@ test('two clips play side by side', async (t) => {
   assert.match(page.url(), /with=01_03/);
 });
 
+test('the keyboard plays and steps, and the recorded skeleton can be alone', async (t) => {
+  const page = await openClip(t, 't=1');
+  const position = page.locator('.position');
+  await position.getByText('frame 60').waitFor();
+  await page.keyboard.press('.');
+  await position.getByText('frame 61').waitFor();
+  await page.keyboard.press(',');
+  await page.keyboard.press(',');
+  await position.getByText('frame 59').waitFor();
+  assert.match(page.url(), /t=0\.98/);
+  await page.keyboard.press('Space');
+  await page.getByRole('button', { name: 'Pause' }).waitFor();
+  await page.keyboard.press('Space');
+  await page.keyboard.press('Home');
+  await position.getByText('frame 0').waitFor();
+  await page.getByLabel('Recorded skeleton').check();
+  await page.getByLabel('Markers').uncheck();
+  assert.match(page.url(), /show=joints/);
+  const box = await page.locator('.scene canvas').boundingBox();
+  const names = new Set();
+  for (let y = 0.2; y < 0.8; y += 0.04) {
+    await page.mouse.move(box.x + box.width / 2, box.y + y * box.height);
+    const text = await page.locator('.scene .overlay').textContent();
+    if (text) names.add(text.split('  ')[0]);
+  }
+  // Names of the file, not of the marker set.
+  const joints = await page.locator('option[value^="joint:"]').evaluateAll((options) =>
+    options.map((option) => option.value.slice('joint:'.length)),
+  );
+  assert.ok(names.size > 0);
+  for (const name of names) assert.ok(joints.includes(name), name);
+});
+
 test('without WebGL the player, segments and curves work', async (t) => {
   const page = await newPage(t);
   await page.addInitScript(() => {

@@ -89,6 +89,13 @@ test('works without WebGL', async (t) => {
   await shown(page);
 });
 
+test('a server that is older than the page says so', async (t) => {
+  const page = await newPage(t, { expected: [/status of 404/] });
+  await page.route('**/motiondb.v1.ViewService/**', (route) => route.fulfill({ status: 404 }));
+  await page.goto(`${setup.open}/#/clip/demo/01_01`);
+  await page.getByText('because it is older than this page').first().waitFor();
+});
+
 for (const colorScheme of ['light', 'dark']) {
   test(`axe reports nothing in the ${colorScheme} theme`, async (t) => {
     const page = await newPage(t, { colorScheme });

@@ -1,6 +1,7 @@
 // Login with the form, logout, a token that is revoked during use, and requests that other sites
 // forge.
 import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import { test } from 'node:test';
 import { logIn, newPage, shown } from './support/browser.mjs';
@@ -153,4 +154,28 @@ test('two browsers have sessions of their own', async (t) => {
   await first.getByText(reader.name).first().waitFor();
   await shown(second);
   assert.equal(await second.locator('input[name=token]').count(), 1);
+});
+
+// A reader of a clip loses the token: the page asks for another one, then shows the same place.
+test('a token revoked while a view is open', async (t) => {
+  await call(setup.secure, 'DatabaseService/CreateDatabase', { databaseId: 'private' });
+  t.after(() => call(setup.secure, 'DatabaseService/DeleteDatabase', { name: 'databases/private' }));
+  const file = (await readFile(`${setup.models}/01_01.bvh`)).toString('base64');
+  const header = { parent: 'databases/private', fileName: '01_01.bvh' };
+  await call(setup.secure, 'ClipService/UploadClip', { header, file });
+  const first = await createToken('ROLE_READER');
+  const second = await createToken('ROLE_READER');
+  const page = await newPage(t, { expected: refused });
+  await page.goto(`${setup.secure}/#/clip/private/01_01?t=2&show=markers`);
+  await logIn(page, first.secret);
+  await page.locator('.position', { hasText: 'frame 120' }).waitFor();
+  assert.equal(await page.getByRole('button', { name: 'Edit', exact: true }).count(), 0);
+  await revokeToken(first.name);
+  await page.getByLabel('Side by side with clip').focus(); // reads the names of the clips
+  await page.locator('input[name=token]').waitFor();
+  assert.equal(await page.locator('.scene').count(), 0);
+  await logIn(page, second.secret);
+  await page.getByText(second.name).first().waitFor();
+  await page.locator('.position', { hasText: 'frame 120' }).waitFor();
+  assert.match(page.url(), /#\/clip\/private\/01_01\?.*t=2/);
 });

@@ -60,7 +60,7 @@ test('a file that is larger than the server takes is refused with the limit', as
   const page = await openClips(t);
   await page.evaluate(() => {
     const dataTransfer = new DataTransfer();
-    dataTransfer.items.add(new File([new Uint8Array(40 << 20)], 'huge.bvh'));
+    dataTransfer.items.add(new File([new Uint8Array(17 << 20)], 'huge.bvh'));
     document.body.dispatchEvent(new DragEvent('drop', { bubbles: true, dataTransfer }));
   });
   const error = page.locator('.upload-item .notice.error');

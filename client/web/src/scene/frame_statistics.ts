@@ -5,9 +5,11 @@ export class FrameStatistics {
   private readonly work: number[] = [];
   private readonly intervals: number[] = [];
   drawCalls = 0;
+  pictures = 0;
 
   // Adds a picture: milliseconds of work, seconds since the picture before (0: none), draw calls.
   add(milliseconds: number, seconds: number, drawCalls: number): void {
+    ++this.pictures;
     push(this.work, milliseconds);
     if (seconds > 0) push(this.intervals, seconds);
     this.drawCalls = drawCalls;

@@ -9,6 +9,8 @@ const kRetryMilliseconds = 2000;
 export interface WatchOptions {
   database: string;
   signal: AbortSignal;
+  // The stream has ended with an error, for example because the token was revoked.
+  readonly failed: (error: unknown) => void;
   // A stored transaction: its changes in order. Also called with no changes if changes can have
   // been missed: then the caller reads everything again.
   readonly changed: (changes: readonly WatchDatabaseResponse[]) => void;
@@ -19,7 +21,7 @@ export interface WatchOptions {
 // has no such call; then the view shows changes when it is opened again.
 export async function watchDatabase(
   api: Api,
-  { database, signal, changed }: WatchOptions,
+  { database, signal, changed, failed }: WatchOptions,
 ): Promise<void> {
   const name = databaseName(database);
   let revision: bigint | undefined;
@@ -39,6 +41,8 @@ export async function watchDatabase(
         changes = [];
       }
     } catch (error) {
+      // A cancelled call is that of a closed view.
+      if (!hasCode(error, Code.Canceled)) failed(error);
       if (isFinal(error)) return;
       if (hasCode(error, Code.OutOfRange, Code.FailedPrecondition)) {
         revision = undefined;

@@ -81,7 +81,11 @@ export class ClipForm {
     };
     const node = element(
       'div',
-      { class: 'row', role: 'group', 'aria-label': `Field ${field.name}` },
+      {
+        class: 'row',
+        role: 'group',
+        'aria-label': field.name === '' ? 'New field' : `Field ${field.name}`,
+      },
       labelled('Field', row.name),
       labelled('Kind', row.kind),
       labelled('Value', row.text, { class: 'field grow' }),

@@ -149,6 +149,9 @@ class ClipView {
     void watchDatabase(this.context.api, {
       database: this.params.database,
       signal: this.disposer.signal,
+      failed: (error) => {
+        this.context.connection.failed(error);
+      },
       changed: (changes) => {
         this.follow(changes);
       },
@@ -281,6 +284,7 @@ class ClipView {
       const statistics = pane.stage.scene?.statistics;
       if (!statistics) return;
       output.dataset['p95'] = statistics.p95Milliseconds.toFixed(2);
+      output.dataset['pictures'] = String(statistics.pictures);
       output.dataset['calls'] = String(statistics.drawCalls);
       output.dataset['rate'] = statistics.rateHz.toFixed(1);
       output.textContent =

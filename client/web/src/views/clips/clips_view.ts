@@ -103,6 +103,9 @@ class ClipsView {
     void watchDatabase(this.context.api, {
       database: this.params.database,
       signal: this.disposer.signal,
+      failed: (error) => {
+        this.context.connection.failed(error);
+      },
       changed: () => {
         this.readSoon();
       },

@@ -60,25 +60,6 @@ test('segments are created, moved by keys, and deleted', async (t) => {
   await segment.waitFor({ state: 'detached' });
 });
 
-test('a change of somebody else is a conflict, not lost', async (t) => {
-  const page = await openClip(t, '', { expected: [/409 \(Conflict\)/] });
-  const { body } = await call(setup.open, 'SegmentService/CreateSegment', {
-    parent: clip,
-    segment: { track: 'conflict', label: 'mine', startSeconds: 0, endSeconds: 1 },
-  });
-  await page.reload();
-  await page.locator('.segment-body', { hasText: 'mine' }).click();
-  await call(setup.open, 'SegmentService/UpdateSegment', {
-    segment: { name: body.segment.name, label: 'theirs' },
-    updateMask: 'label',
-  });
-  await page.fill('.segment-form input >> nth=0', 'other');
-  await page.getByRole('button', { name: 'Save' }).click();
-  await page.getByRole('button', { name: 'Load the stored segments' }).click();
-  await page.locator('.segment-body', { hasText: 'theirs' }).waitFor();
-  await call(setup.open, 'SegmentService/DeleteSegment', { name: body.segment.name });
-});
-
 test('two clips play side by side', async (t) => {
   const page = await openClip(t, 'with=01_03');
   await page.locator('.motion-pane').nth(1).locator('canvas').waitFor();

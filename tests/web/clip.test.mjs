@@ -3,7 +3,6 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { checkAccessibility, newPage, shown } from './support/browser.mjs';
 import { project } from './support/projection.mjs';
-import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 import { markersAt } from './support/stream.mjs';
 

@@ -6,7 +6,7 @@ import { setup } from './support/setup.mjs';
 
 const clips = ['01_01', '01_03', 'Boxing_Toes'];
 
-const kSeconds = 15;
+const kSeconds = 12;
 
 // Opens clips one after the other, each until its motion is complete. Returns how many; fewer than
 // `count` on a machine that is so busy that time is over before.

@@ -31,7 +31,7 @@ test('goal and obstacles are placed on the floor, and the motion is planned', as
   await page.mouse.down();
   await page.mouse.move(disc.x + 20, disc.y, { steps: 3 });
   await page.mouse.up();
-  assert.match(page.url(), /obstacles=d/);
+  await page.waitForURL(/obstacles=d/);
   await floor.press('ArrowUp');
 
   await page.getByRole('button', { name: 'Plan', exact: true }).click();

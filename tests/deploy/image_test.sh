@@ -50,6 +50,13 @@ echo "== the image, built by the Dockerfile"
 mounts=()
 compiled=${CCACHE_DIR:-$HOME/.cache/ccache}
 [ ! -d "$compiled" ] || mounts=(--volume "$compiled:/root/.cache/ccache")
+# npm in the build trusts what npm on this machine trusts.
+trusted=$(npm config get cafile 2>/dev/null || true)
+[ -f "$trusted" ] || trusted=${NODE_EXTRA_CA_CERTS:-}
+if [ -f "$trusted" ]; then
+  echo "cafile=/etc/npm-trusted.crt" >"$work/npmrc"
+  mounts+=(--volume "$(realpath "$trusted"):/etc/npm-trusted.crt:ro" --volume "$work/npmrc:/root/.npmrc:ro")
+fi
 (cd "$here/../.." && in_storage bud --format docker --isolation chroot --build-arg BASE=localhost/bookworm \
   "${mounts[@]}" -f deploy/docker/Dockerfile -t localhost/motiondb .) >"$work/log" 2>&1 || fail "buildah bud"
 grep -o "STEP .*" "$work/log"

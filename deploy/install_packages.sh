@@ -12,7 +12,7 @@ build=(
   libseccomp-dev   # motiondb-import: system calls of a process that reads a file of unknown origin
   libassimp-dev    # motiondb-import reads FBX, glTF and Collada
   libzip-dev       # motiondb-import reads NPZ files, which are ZIP archives
-  libutf8proc-dev  # full-text search: case folding and accents of all scripts
+  libutf8proc-dev  # full-text search: case folding of all scripts, and accents
   libtinyxml2-dev  # URDF files are XML
   libtomlplusplus-dev # the configuration file is TOML
   libcairo2-dev    # pictures as SVG and PNG from one drawing code: cairo draws the PNG

@@ -14,6 +14,7 @@ while [[ ${1:-} = *_tests ]]; do
 done
 
 ./deploy/install_packages.sh build test
+export MOTIONDB_REQUIRE_POSTGRES=1  # no skipped tests of the PostgreSQL store
 # The build folder may have been configured without tests.
 cmake --preset "$preset" -DMOTIONDB_BUILD_TESTS=ON >"/tmp/motiondb-configure-$$.log" 2>&1 ||
   { cat "/tmp/motiondb-configure-$$.log" >&2; rm -f "/tmp/motiondb-configure-$$.log"; exit 1; }
@@ -39,5 +40,16 @@ if [ ${#tests[@]} = 0 ]; then
 else
   cmake --build --preset "$preset" --target "${tests[@]}"
   set -- -R "^($(IFS='|'; echo "${tests[*]}"))(_part[0-9]+)?\$" "$@"
+fi
+# Temporary files in memory, if it has 4 GiB for them: the tests would wait for the disk half of their
+# time. Power cuts, full and slow disks are simulated.
+memory=/dev/shm
+free_mib=$(df --output=avail --block-size=1M "$memory" 2>/dev/null | tail -n 1) || true
+if [ -z "${TMPDIR:-}" ] && [ "${free_mib:-0}" -gt 4096 ] &&
+   ! grep -q "^[^ ]* $memory .*noexec" /proc/mounts; then
+  TMPDIR=$(mktemp -d "$memory/motiondb-tests-XXXXXX")
+  chmod 1777 "$TMPDIR"  # PostgreSQL runs as a user of its own
+  export TMPDIR
+  trap 'rm -rf "$TMPDIR"' EXIT
 fi
 ctest --test-dir "build/$preset" --no-tests=error --output-on-failure --timeout "$timeout" --parallel "$(nproc)" "$@"

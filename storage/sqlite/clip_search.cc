@@ -7,9 +7,9 @@
 
 #include "core/motion/error.h"
 #include "storage/blob/annotation_codec.h"
-#include "storage/sqlite/database_table.h"
+#include "storage/sql/database_table.h"
+#include "storage/sql/transaction.h"
 #include "storage/sqlite/index_corruption.h"
-#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 namespace {
@@ -64,15 +64,6 @@ std::uint64_t HashOfWords(std::string_view column, std::string_view text) {
   return sum;
 }
 
-absl::Status InsertText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
-  return connection
-      .Query(
-          "INSERT INTO clip_text (rowid, title, description, tags, labels, subject, file_name) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?)",
-          clip_key, text[0], text[1], text[2], text[3], text[4], text[5])
-      .Run();
-}
-
 }  // namespace
 
 int AddWordsFunction(sqlite3* database) {
@@ -81,40 +72,13 @@ int AddWordsFunction(sqlite3* database) {
                                  Words, nullptr, nullptr);
 }
 
-absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
-  MOTIONDB_RETURN_IF_ERROR(OfSearchIndex(InsertText(connection, clip_key, text)));
-  return FlushClipTexts(connection);
-}
-
-absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text) {
-  return OfSearchIndex(
-      connection
-          .Query("UPDATE clip_text SET title = ?, description = ?, tags = ?, labels = ?, subject = "
-                 "?, file_name = ? WHERE rowid = ?",
-                 text[0], text[1], text[2], text[3], text[4], text[5], clip_key)
-          .Run());
-}
-
-absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key) {
-  MOTIONDB_RETURN_IF_ERROR(
-      OfSearchIndex(connection.Query("DELETE FROM clip_text WHERE rowid = ?", clip_key).Run()));
-  return FlushClipTexts(connection);
-}
-
-absl::Status FlushClipTexts(Connection& connection) {
-  for (const char* const flush : {"SAVEPOINT clip_text", "RELEASE clip_text"}) {
-    MOTIONDB_RETURN_IF_ERROR(OfSearchIndex(connection.Query(flush).Run()));
-  }
-  return absl::OkStatus();
-}
-
 absl::Status FillClipText(Connection& connection) {
   Statement clip = connection.Query(
       "SELECT clip_key, title, description, subject, file_name, annotations FROM clip "
       "WHERE deleted = 0");
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, clip.Step());
-    if (!found) return FlushClipTexts(connection);
+    if (!found) return absl::OkStatus();
     ClipRecord record;
     record.title = clip.Text(1);
     record.description = clip.Text(2);
@@ -129,8 +93,7 @@ absl::Status FillClipText(Connection& connection) {
       if (!has_label) break;
       segments.emplace_back().label = label.Text(0);
     }
-    MOTIONDB_RETURN_IF_ERROR(
-        OfSearchIndex(InsertText(connection, clip.Integer(0), TextOf(record, segments))));
+    MOTIONDB_RETURN_IF_ERROR(InsertClipText(connection, clip.Integer(0), TextOf(record, segments)));
   }
 }
 

@@ -1,5 +1,6 @@
 // The full-text index of clips: table `clip_text`, whose row ids are the keys of clips. The
-// functions run in the caller's transaction, except RebuildClipText.
+// functions run in the caller's transaction, except RebuildClipText. Errors that a corrupt index
+// causes are marked: IsOfSearchIndex (index_corruption.h).
 #pragma once
 
 #include <sqlite3.h>
@@ -10,7 +11,8 @@
 
 #include "absl/status/statusor.h"
 #include "storage/annotation_store.h"
-#include "storage/sqlite/connection.h"
+#include "storage/sql/clip_text.h"
+#include "storage/sql/connection.h"
 #include "storage/text_query.h"
 
 namespace motiondb::storage {
@@ -18,18 +20,6 @@ namespace motiondb::storage {
 // Adds the SQL function `motiondb_words` (NormalizeText) to a connection. Returns an SQLite result
 // code.
 int AddWordsFunction(sqlite3* database);
-
-// Errors that a corrupt index causes are marked: IsOfSearchIndex (index_corruption.h).
-
-// REQUIRES: the clip has no text in the index.
-absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
-// FlushClipTexts must follow, before another table changes.
-absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
-// OK if the clip has none.
-absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key);
-// Makes FTS5 write the words that it keeps in memory. A later statement of the transaction would do
-// it, and return its error.
-absl::Status FlushClipTexts(Connection& connection);
 
 // Fills the empty index with the texts of all clips. A clip whose tags are corrupt is found by the
 // rest of its text.

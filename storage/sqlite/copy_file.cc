@@ -9,7 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/sqlite/statement.h"
+#include "storage/sqlite/sqlite_connection.h"
+#include "storage/sqlite/sqlite_statement.h"
 
 namespace motiondb::storage {
 namespace {
@@ -68,8 +69,8 @@ void DeleteStaleCopies(const std::string& store_path) {
 }
 
 absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& cancelled) {
-  sqlite3_backup* const copy = sqlite3_backup_init(to.handle(), "main", from.handle(), "main");
-  if (copy == nullptr) return SqliteError(to.handle(), sqlite3_extended_errcode(to.handle()));
+  sqlite3_backup* const copy = sqlite3_backup_init(HandleOf(to), "main", HandleOf(from), "main");
+  if (copy == nullptr) return SqliteError(HandleOf(to), sqlite3_extended_errcode(HandleOf(to)));
   int code = SQLITE_OK;
   bool stopped = false;
   while (code == SQLITE_OK && !stopped) {
@@ -80,7 +81,7 @@ absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& 
   const int finished = sqlite3_backup_finish(copy);
   if (stopped) return absl::CancelledError("cancelled while the store was copied");
   if (code == SQLITE_DONE) code = finished;
-  if (code != SQLITE_OK) return SqliteError(to.handle(), code);
+  if (code != SQLITE_OK) return SqliteError(HandleOf(to), code);
   return absl::OkStatus();
 }
 

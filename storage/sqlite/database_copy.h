@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/sqlite/connection.h"
+#include "storage/sql/connection.h"
 
 namespace motiondb::storage {
 

@@ -6,15 +6,11 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <span>
 
 #include "core/motion/error.h"
-#include "storage/blob/byte_stream.h"
-#include "storage/blob/model_codec.h"
 #include "storage/sqlite/store_file.h"
 
 namespace motiondb::storage {
-
 namespace {
 
 std::string Mebibytes(std::int64_t bytes) {
@@ -88,45 +84,6 @@ void DiskReserve::GiveBack(Connection& writer) const {
   if (is_off()) return;
   const auto room = Look(writer);
   if (room.ok() && room->free < bytes_ && room->log > 0) CheckpointLog(writer);
-}
-
-namespace {
-
-class CountingSink final : public ByteSink {
- public:
-  absl::Status Write(std::span<const std::byte> bytes) override {
-    count_ += static_cast<std::int64_t>(bytes.size());
-    return absl::OkStatus();
-  }
-  std::int64_t count() const { return count_; }
-
- private:
-  std::int64_t count_ = 0;
-};
-
-template <typename Matrix>
-std::int64_t BytesOf(const Matrix& matrix) {
-  return static_cast<std::int64_t>(matrix.size()) *
-         static_cast<std::int64_t>(sizeof(typename Matrix::Scalar));
-}
-
-}  // namespace
-
-std::int64_t AddedBytes(const NewClip& clip) {
-  return std::ssize(clip.file_bytes) + std::ssize(clip.skeleton_bytes) +
-         BytesOf(clip.states.states) + BytesOf(clip.states.root_path);
-}
-
-std::int64_t AddedBytes(const DerivedClip& clip) {
-  if (!clip.states) return 0;
-  return clip.record.byte_count + BytesOf(clip.states->states) + BytesOf(clip.states->root_path);
-}
-
-std::int64_t AddedBytes(const core::Model& model) {
-  CountingSink sink;
-  // PutModel returns errors of encoding.
-  EncodeModel(model.parts(), sink).IgnoreError();
-  return sink.count();
 }
 
 }  // namespace motiondb::storage

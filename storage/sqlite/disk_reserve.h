@@ -1,5 +1,5 @@
-// The disk space that additions to a store must leave free, and the size of an addition. A deletion
-// first needs space in the log; without the reserve, a store that fills its disk could not be
+// The disk space that additions to a store must leave free. A deletion first needs space in the
+// log; without the reserve, a store that fills its disk could not be
 // emptied.
 #pragma once
 
@@ -7,12 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "storage/records.h"
-#include "storage/sqlite/connection.h"
-
-namespace motiondb::core {
-class Model;
-}
+#include "storage/sql/connection.h"
 
 namespace motiondb::storage {
 
@@ -52,13 +47,5 @@ class DiskReserve {
   const std::string path_;
   const std::int64_t bytes_;
 };
-
-// Returns the bytes that adding the clip writes, without the record and the encoded skeleton (some
-// kilobytes).
-std::int64_t AddedBytes(const NewClip& clip);
-// Includes the source files, which are written again with new states.
-std::int64_t AddedBytes(const DerivedClip& clip);
-// Encodes the model to count its bytes.
-std::int64_t AddedBytes(const core::Model& model);
 
 }  // namespace motiondb::storage

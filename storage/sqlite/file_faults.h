@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "storage/sqlite/connection.h"
+#include "storage/sql/connection.h"
 
 namespace motiondb::storage {
 

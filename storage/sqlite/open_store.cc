@@ -28,6 +28,13 @@ absl::StatusOr<std::unique_ptr<Writer>> StartWriter(std::unique_ptr<Connection> 
   }
 }
 
+// `file`: the identity of the file at `path`, which must not change.
+std::unique_ptr<ReaderPool> MakeReaders(const std::string& path, FileIdentity file,
+                                        ReaderPool::Open open, int limit) {
+  return std::make_unique<ReaderPool>(
+      std::move(open), [path, file] { return CheckFileIdentity(path, file); }, limit);
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const std::string& path,
@@ -66,7 +73,7 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenToWrit
   MOTIONDB_ASSIGN_OR_RETURN(files.store, GetFileIdentity(file));
   // SQLite creates the log when the writer first reads, and keeps it until the writer is closed.
   MOTIONDB_ASSIGN_OR_RETURN(files.log, GetFileIdentity(LogPath(file)));
-  auto readers = std::make_unique<ReaderPool>(
+  auto readers = MakeReaders(
       file, files.store, [file, vfs = options.vfs] { return OpenReader(file, vfs); },
       options.reader_count);
   MOTIONDB_ASSIGN_OR_RETURN(auto writer, StartWriter(std::move(connection)));
@@ -86,7 +93,7 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenReadOn
     MOTIONDB_ASSIGN_OR_RETURN(const auto reader, open());
     MOTIONDB_RETURN_IF_ERROR(CheckIsCurrentVersion(*reader));
   }
-  auto readers = std::make_unique<ReaderPool>(file, files.store, open, options.reader_count);
+  auto readers = MakeReaders(file, files.store, open, options.reader_count);
   return std::unique_ptr<SqliteMotionStore>(
       new SqliteMotionStore(std::move(file), files, std::move(lock), nullptr, std::move(readers),
                             std::move(check.found), std::move(options)));
@@ -97,15 +104,13 @@ SqliteMotionStore::SqliteMotionStore(std::string path, Files files, std::optiona
                                      std::unique_ptr<ReaderPool> readers,
                                      std::vector<Corruption> found_at_opening,
                                      SqliteOptions options)
-    : path_(std::move(path)),
+    : SqlMotionStore(std::move(writer), std::move(readers), std::move(options.now_us)),
+      path_(std::move(path)),
       files_(files),
       read_only_(options.read_only),
       found_at_opening_(std::move(found_at_opening)),
       reserve_(path_, options.reserve_bytes),
       lock_(std::move(lock)),
-      writer_(std::move(writer)),
-      readers_(std::move(readers)),
-      now_us_(std::move(options.now_us)),
       on_index_rebuild_(std::move(options.on_index_rebuild)) {}
 
 }  // namespace motiondb::storage

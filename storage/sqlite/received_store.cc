@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "storage/sqlite/chunk_table.h"
+#include "storage/sql/chunk_table.h"
+#include "storage/sql/transaction.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/sqlite_backup.h"
 #include "storage/sqlite/sqlite_verifier.h"
 #include "storage/sqlite/store_file.h"
-#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 

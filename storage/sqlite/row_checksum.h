@@ -2,20 +2,19 @@
 // CRC-32 of the other columns of the row, which the SQL function `motiondb_crc` computes. The
 // functions run in the caller's transaction.
 //
-// Code that inserts or updates a row must call SetRowChecksum or insert `motiondb_crc(...)`. Rows
-// of chunks have no `row_crc`: each chunk contains a checksum.
+// Code that inserts or updates a row must call UpdateRowChecksum or insert `motiondb_crc(...)`.
+// Rows of chunks have no `row_crc`: each chunk contains a checksum.
 #pragma once
 
 #include <sqlite3.h>
 
 #include <cstdint>
-#include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/sqlite/connection.h"
+#include "storage/sql/checked_tables.h"
+#include "storage/sql/connection.h"
 
 namespace motiondb::storage {
 
@@ -23,17 +22,7 @@ namespace motiondb::storage {
 int AddChecksumFunction(sqlite3* database);
 
 // `key` is the row id. REQUIRES: the table is one of CheckedTables.
-absl::Status SetRowChecksum(Connection& connection, std::string_view table, std::int64_t key);
-
-std::span<const std::string_view> CheckedTables();
-// Returns all columns of a checked table but `row_crc`, separated by ", ". The first is the key.
-std::string_view ChecksumColumns(std::string_view table);
-
-// A row whose checksum does not match its columns.
-struct ChangedRow {
-  std::string resource;  // resource name, as in Corruption; empty if it has none
-  std::string row;       // "row 7 of table clip"
-};
+absl::Status UpdateRowChecksum(Connection& connection, std::string_view table, std::int64_t key);
 
 // Returns the first 100 changed rows of a table.
 absl::StatusOr<std::vector<ChangedRow>> FindChangedRows(Connection& connection,

@@ -7,7 +7,8 @@
 
 #include "core/motion/error.h"
 #include "storage/mutex.h"
-#include "storage/sqlite/transaction.h"
+#include "storage/sql/transaction.h"
+#include "storage/sqlite/sqlite_connection.h"
 
 namespace motiondb::storage {
 namespace {
@@ -36,7 +37,7 @@ absl::StatusOr<SchemaObjects> ExpectedDefinitions() {
   if (!expected) {
     MOTIONDB_ASSIGN_OR_RETURN(
         const auto fresh,
-        Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+        SqliteConnection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
     MOTIONDB_RETURN_IF_ERROR(Migrate(*fresh, Migrations()));
     MOTIONDB_ASSIGN_OR_RETURN(expected, Definitions(*fresh));
   }

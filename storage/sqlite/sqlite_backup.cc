@@ -4,11 +4,12 @@
 #include <filesystem>
 
 #include "core/motion/error.h"
+#include "storage/sql/database_table.h"
+#include "storage/sql/transaction.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/database_copy.h"
-#include "storage/sqlite/database_table.h"
+#include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/store_file.h"
-#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 
@@ -19,7 +20,8 @@ absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::Make(Connection& rea
   const std::string& path = backup->file_.path();
   {
     MOTIONDB_ASSIGN_OR_RETURN(
-        const auto copy, Connection::Open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+        const auto copy,
+        SqliteConnection::Open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
     // The copy need not survive a crash.
     MOTIONDB_RETURN_IF_ERROR(copy->Execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF"));
     // The first read determines the snapshot of the transaction.

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/sql/database_table.h"
 #include "storage/sqlite/database_copy.h"
-#include "storage/sqlite/database_table.h"
 
 namespace motiondb::storage {
 
@@ -62,7 +62,12 @@ absl::Status SqliteImport::Stage(const core::Cancelled& cancelled) {
     if (cancelled && cancelled()) {
       return absl::CancelledError("cancelled while the database was copied");
     }
+    bool has_run = false;
     const auto step = [&](Connection& store) -> absl::Status {
+      // The copy cannot go back to the rows of a transaction that was rolled back.
+      if (std::exchange(has_run, true)) {
+        return core::DataLoss("the search index of the store was corrupt: import the file again");
+      }
       MOTIONDB_ASSIGN_OR_RETURN(more, copy.Step(store));
       if (staged_key_ == 0) {
         // In the transaction, before a purge can find the database.

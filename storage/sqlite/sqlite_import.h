@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "storage/sql/staged_databases.h"
+#include "storage/sql/writer.h"
 #include "storage/sqlite/received_store.h"
-#include "storage/sqlite/staged_databases.h"
-#include "storage/sqlite/writer.h"
 #include "storage/store_maintenance.h"
 
 namespace motiondb::storage {

@@ -3,14 +3,14 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/sql/database_table.h"
+#include "storage/sql/sql_motion_store_work.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/copy_file.h"
-#include "storage/sqlite/database_table.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/sqlite_backup.h"
 #include "storage/sqlite/sqlite_import.h"
 #include "storage/sqlite/sqlite_motion_store.h"
-#include "storage/sqlite/sqlite_motion_store_work.h"
 #include "storage/sqlite/sqlite_restore.h"
 #include "storage/sqlite/sqlite_verifier.h"
 #include "storage/sqlite/store_file.h"
@@ -57,21 +57,22 @@ absl::Status SqliteMotionStore::CheckMayWrite(Connection& writer, Added added) {
     CheckpointLog(writer);
     return file;
   }
-  if (added) return reserve_.Check(writer, *added);
-  reserve_.GiveBack(writer);
+  if (added) {
+    MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, *added));
+  } else {
+    reserve_.GiveBack(writer);
+  }
+  if (index_is_corrupt_.exchange(false)) {
+    const absl::Status rebuilt = RebuildClipText(writer);
+    if (on_index_rebuild_) on_index_rebuild_(rebuilt);
+  }
   return absl::OkStatus();
-}
-
-void SqliteMotionStore::RepairSearchIndex(Connection& writer) {
-  if (!index_is_corrupt_.exchange(false)) return;
-  const absl::Status rebuilt = RebuildClipText(writer);
-  if (on_index_rebuild_) on_index_rebuild_(rebuilt);
 }
 
 absl::Status SqliteMotionStore::CheckWrites() {
   MOTIONDB_RETURN_IF_ERROR(CheckFile());
-  if (!write_health_.is_suspect() && reserve_.HasReserve()) return absl::OkStatus();
-  return write_health_.Try([this] { return TryWriting(); });
+  if (!write_health().is_suspect() && reserve_.HasReserve()) return absl::OkStatus();
+  return write_health().Try([this] { return TryWriting(); });
 }
 
 absl::Status SqliteMotionStore::TryWriting() {
@@ -86,7 +87,7 @@ absl::Status SqliteMotionStore::TryWriting() {
       return connection.Execute(fmt::format("PRAGMA user_version = {}", version));
     });
   };
-  return writer_->Run(
+  return writer()->Run(
       Priority::kUrgent, [&] { return WaitClock::now() > latest; }, write);
 }
 
@@ -128,7 +129,7 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginExport(
 absl::StatusOr<std::unique_ptr<DatabaseImport>> SqliteMotionStore::BeginImport() {
   if (path_.empty()) return core::FailedPrecondition("cannot import into a store in memory");
   MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
-  return SqliteImport::Make(path_, reserve_, staged_,
+  return SqliteImport::Make(path_, reserve_, staged(),
                             [this](Priority priority, const WriteOptions& terms,
                                    std::int64_t added_bytes, const SqliteImport::Piece& piece) {
                               return WriteWith(terms, piece, Added(added_bytes), priority);
@@ -137,10 +138,10 @@ absl::StatusOr<std::unique_ptr<DatabaseImport>> SqliteMotionStore::BeginImport()
 
 absl::Status SqliteMotionStore::ReplaceContent(Connection& backup,
                                                const core::Cancelled& cancelled) {
-  return writer_->Run(Priority::kOrdinary, cancelled, [&](Connection& writer) -> absl::Status {
+  return writer()->Run(Priority::kOrdinary, cancelled, [&](Connection& writer) -> absl::Status {
     MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, {}));
     MOTIONDB_RETURN_IF_ERROR(CheckHasNoDatabases(writer));
-    if (!staged_.IsEmpty()) {
+    if (!staged().IsEmpty()) {
       return core::FailedPrecondition(
           "a database is being imported: restore a backup into an empty store");
     }

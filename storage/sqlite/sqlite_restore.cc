@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/sqlite/audit_table.h"
-#include "storage/sqlite/token_table.h"
-#include "storage/sqlite/transaction.h"
+#include "storage/sql/audit_table.h"
+#include "storage/sql/token_table.h"
+#include "storage/sql/transaction.h"
 
 namespace motiondb::storage {
 

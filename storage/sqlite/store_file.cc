@@ -10,12 +10,13 @@
 #include <string_view>
 
 #include "core/motion/error.h"
+#include "storage/sql/clip_bytes.h"
+#include "storage/sql/transaction.h"
 #include "storage/sqlite/big_endian.h"
-#include "storage/sqlite/clip_bytes.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/schema.h"
+#include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/store_lock.h"
-#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 namespace {
@@ -105,7 +106,7 @@ std::string ImmutableUri(const std::string& path) {
 }
 
 absl::Status SetUp(Connection& connection) {
-  sqlite3_busy_timeout(connection.handle(), kLockWait);
+  sqlite3_busy_timeout(HandleOf(connection), kLockWait);
   return connection.Execute(kCommonSetup);
 }
 
@@ -113,7 +114,7 @@ absl::Status SetUp(Connection& connection) {
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std::string& path,
                                                            const std::string& vfs) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection,
-                            Connection::Open(path, SQLITE_OPEN_READWRITE | flags, vfs));
+                            SqliteConnection::Open(path, SQLITE_OPEN_READWRITE | flags, vfs));
   MOTIONDB_RETURN_IF_ERROR(SetUp(*connection));
   MOTIONDB_RETURN_IF_ERROR(Initialize(*connection, path));
   if (path != kInMemory) MOTIONDB_RETURN_IF_ERROR(UseLog(*connection, path));
@@ -197,8 +198,9 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::stri
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
                                                        const std::string& vfs) {
-  MOTIONDB_ASSIGN_OR_RETURN(auto connection, Connection::Open(path, SQLITE_OPEN_READONLY, vfs));
-  sqlite3_db_config(connection->handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  MOTIONDB_ASSIGN_OR_RETURN(auto connection,
+                            SqliteConnection::Open(path, SQLITE_OPEN_READONLY, vfs));
+  sqlite3_db_config(HandleOf(*connection), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   MOTIONDB_RETURN_IF_ERROR(SetUp(*connection));
   MOTIONDB_RETURN_IF_ERROR(connection->Execute(kReaderSetup));
   return connection;
@@ -209,17 +211,19 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenImmutable(const std::string& pat
   std::error_code error;
   if (std::filesystem::exists(LogPath(path), error)) {
     // With exclusive access and without locks, SQLite keeps the index of the log in memory.
-    MOTIONDB_ASSIGN_OR_RETURN(opened, Connection::Open(path, SQLITE_OPEN_READONLY, "unix-none"));
+    MOTIONDB_ASSIGN_OR_RETURN(opened,
+                              SqliteConnection::Open(path, SQLITE_OPEN_READONLY, "unix-none"));
     MOTIONDB_RETURN_IF_ERROR((*opened)->Execute("PRAGMA locking_mode = EXCLUSIVE"));
   } else {
     MOTIONDB_ASSIGN_OR_RETURN(
-        opened, Connection::Open(ImmutableUri(path), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, ""));
+        opened,
+        SqliteConnection::Open(ImmutableUri(path), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, ""));
   }
   Connection& connection = **opened;
   // With this setting SQLite accepts a page count that is larger than the file. It must precede the
   // settings that read the schema.
   if (is_short) MOTIONDB_RETURN_IF_ERROR(connection.Execute("PRAGMA writable_schema = ON"));
-  sqlite3_db_config(connection.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  sqlite3_db_config(HandleOf(connection), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   MOTIONDB_RETURN_IF_ERROR(SetUp(connection));
   MOTIONDB_RETURN_IF_ERROR(connection.Execute(kReaderSetup));
   return opened;
@@ -236,10 +240,10 @@ absl::Status CheckIsCurrentVersion(Connection& connection) {
 }
 
 void CheckpointLog(Connection& writer) {
-  sqlite3_busy_timeout(writer.handle(), 0);
+  sqlite3_busy_timeout(HandleOf(writer), 0);
   // If a reader blocks or the disk is full, the log keeps its size.
   writer.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();
-  sqlite3_busy_timeout(writer.handle(), kLockWait);
+  sqlite3_busy_timeout(HandleOf(writer), kLockWait);
 }
 
 }  // namespace motiondb::storage

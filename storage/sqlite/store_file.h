@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "storage/sqlite/connection.h"
+#include "storage/sql/connection.h"
 
 namespace motiondb::storage {
 

@@ -25,6 +25,9 @@ declare -A may_include=(
   [core/view]="core/view core/planning core/kinematics core/recognition core/inference core/model core/graph core/tree core/motion"
   [import]="import core storage/blob text"
   [storage]="storage core text"
+  [storage/blob]="storage/blob storage/annotation_store.h storage/records.h core"
+  [storage/sql]="storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_maintenance.h storage/text_query.h core"
+  [storage/sqlite]="storage/sqlite storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_maintenance.h storage/text_query.h core"
   [server]="server import/launch.h storage core text motiondb/v1"
   [server/filter]="server/filter storage core text"
   [server/engine]="server/engine server/filter import/launch.h storage core text"
@@ -56,7 +59,7 @@ for folder in "${!may_include[@]}"; do
   done < <(grep -rnoE --include='*.h' --include='*.cc' '#include [<"][^">]+' "$folder" |
            sed -E 's/#include [<"]//')
 done
-for folder in core/*/ server/*/; do
+for folder in core/*/ server/*/ storage/*/; do
   folder=${folder%/}
   if [ -z "${may_include[$folder]:-}" ]; then
     echo "$folder is not listed in check_layers.sh"

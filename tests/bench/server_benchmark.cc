@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "storage/sql/transaction.h"
 #include "storage/sqlite/store_file.h"
-#include "storage/sqlite/transaction.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/client_load.h"
 #include "tests/bench/empty_peer.h"

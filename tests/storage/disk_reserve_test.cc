@@ -6,6 +6,7 @@
 #include <string>
 
 #include "storage/blob/model_codec.h"
+#include "storage/sql/added_bytes.h"
 #include "tests/storage/backup_bytes.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

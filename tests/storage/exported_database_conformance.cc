@@ -99,7 +99,8 @@ void FillWithEverything(storage::MotionStore& store, const std::string& database
 
 void TestExportedDatabases(StoreUnderTest& under_test) {
   storage::MotionStore& store = under_test.Get();
-  if (absl::IsFailedPrecondition(store.maintenance().BeginImport().status())) return;
+  const absl::Status supported = store.maintenance().BeginImport().status();
+  if (absl::IsFailedPrecondition(supported) || absl::IsUnimplemented(supported)) return;
   FillWithEverything(store, "d");
   FillWithEverything(store, "other");
   REQUIRE_ERROR(store.maintenance().BeginExport(kUnknown, {}), StatusCode::kNotFound, kUnknown);

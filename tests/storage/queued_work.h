@@ -9,8 +9,8 @@
 #include <thread>
 #include <utility>
 
-#include "storage/sqlite/connection.h"
-#include "storage/sqlite/writer.h"
+#include "storage/sql/writer.h"
+#include "storage/sqlite/sqlite_connection.h"
 #include "tests/storage/require_ok.h"
 
 namespace motiondb::tests {
@@ -18,7 +18,7 @@ namespace motiondb::tests {
 // Returns a writer of an empty database in memory.
 inline std::unique_ptr<storage::Writer> MakeWriter() {
   return std::make_unique<storage::Writer>(Require(
-      storage::Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "")));
+      storage::SqliteConnection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "")));
 }
 
 // Work that its own thread submits. The constructor returns when the work is queued.

@@ -1,4 +1,4 @@
-#include "storage/sqlite/reader_pool.h"
+#include "storage/sql/reader_pool.h"
 
 #include <catch2/catch.hpp>
 
@@ -14,9 +14,7 @@ TEST_CASE("ReaderPool: AcquireIdle leaves one connection for the next caller",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
-  storage::ReaderPool pool(
-      file.path(), Require(storage::GetFileIdentity(file.path())),
-      [&] { return storage::OpenReader(file.path(), ""); }, 4);
+  storage::ReaderPool pool([&] { return storage::OpenReader(file.path(), ""); }, {}, 4);
   {
     const auto first = pool.Acquire();
     REQUIRE_OK(first);
@@ -33,9 +31,7 @@ TEST_CASE("ReaderPool: waiting can be cancelled, and no connection is lost",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
-  storage::ReaderPool pool(
-      file.path(), Require(storage::GetFileIdentity(file.path())),
-      [&] { return storage::OpenReader(file.path(), ""); }, 1);
+  storage::ReaderPool pool([&] { return storage::OpenReader(file.path(), ""); }, {}, 1);
   {
     const auto only = pool.Acquire();
     REQUIRE_OK(only);

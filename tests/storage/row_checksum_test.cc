@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/store_file.h"
 #include "tests/storage/corrupt_store.h"
 #include "tests/storage/require_ok.h"
@@ -102,8 +103,8 @@ TEST_CASE("Row checksums: cover all columns of every table except chunk tables",
       const std::string name = column.Text(0);
       if (name == "row_crc") continue;
       INFO(table << "." << name);
-      const auto copy = Require(
-          storage::Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+      const auto copy = Require(storage::SqliteConnection::Open(
+          ":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
       // A copy without constraints, so that any column can have any value.
       REQUIRE_OK(copy->Execute("ATTACH '" + file.path() + "' AS store; CREATE TABLE " +
                                std::string(table) + " AS SELECT * FROM store." +

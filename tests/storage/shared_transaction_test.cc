@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "storage/sqlite/transaction.h"
-#include "storage/sqlite/writer.h"
+#include "storage/sql/transaction.h"
+#include "storage/sql/writer.h"
 #include "tests/storage/queued_work.h"
 #include "tests/storage/require_ok.h"
 

@@ -4,10 +4,11 @@
 #include <string>
 
 #include "absl/cleanup/cleanup.h"
+#include "storage/sql/transaction.h"
 #include "storage/sqlite/schema.h"
+#include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "storage/sqlite/store_file.h"
-#include "storage/sqlite/transaction.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
@@ -187,7 +188,7 @@ TEST_CASE("SqliteMotionStore: an empty file with two names is refused", "[storag
 TEST_CASE("Migrate: runs each missing migration once, in order", "[storage][migration]") {
   const StoreFile file;
   const auto connection = Require(
-      storage::Connection::Open(file.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+      storage::SqliteConnection::Open(file.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
   const char* const steps[] = {"CREATE TABLE t (a INTEGER) STRICT;", "INSERT INTO t VALUES (1);",
                                "UPDATE t SET a = a * 10; INSERT INTO t VALUES (2);"};
   REQUIRE_OK(storage::Migrate(*connection, std::span(steps).first(1)));
@@ -202,7 +203,7 @@ TEST_CASE("Migrate: runs each missing migration once, in order", "[storage][migr
 TEST_CASE("Migrate: a failed migration keeps the former version", "[storage][migration]") {
   const StoreFile file;
   const auto connection = Require(
-      storage::Connection::Open(file.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+      storage::SqliteConnection::Open(file.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
   const char* const steps[] = {"CREATE TABLE t (a INTEGER) STRICT;",
                                "INSERT INTO t VALUES (1); INSERT INTO t VALUES ('x');"};
   REQUIRE_FALSE(storage::Migrate(*connection, steps).ok());

@@ -1,5 +1,5 @@
 // The queue of the writer. Catch assertions work on one thread only.
-#include "storage/sqlite/writer.h"
+#include "storage/sql/writer.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>

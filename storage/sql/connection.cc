@@ -1,0 +1,28 @@
+#include "storage/sql/connection.h"
+
+#include "core/motion/error.h"
+
+namespace motiondb::storage {
+
+Statement::~Statement() {
+  if (prepared_ == nullptr) return;
+  prepared_->Reset();
+  connection_->GiveBack(std::move(prepared_));
+}
+
+absl::Status Statement::Run() {
+  while (true) {
+    const auto row = Step();
+    if (!row.ok()) return row.status();
+    if (!*row) return absl::OkStatus();
+  }
+}
+
+absl::StatusOr<std::int64_t> Connection::QueryInteger(std::string_view sql) {
+  Statement statement = Query(sql);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool row, statement.Step());
+  if (!row) return core::NotFound("expected a row, got none from '{}'", sql);
+  return statement.Integer(0);
+}
+
+}  // namespace motiondb::storage

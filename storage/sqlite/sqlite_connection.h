@@ -1,0 +1,72 @@
+// A connection to an SQLite file, with a cache of prepared statements. Only one thread at a time
+// may use it.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "storage/sql/connection.h"
+#include "storage/sqlite/sqlite_statement.h"
+
+namespace motiondb::storage {
+
+class SqliteConnection final : public Connection {
+ public:
+  // `path` must be absolute or ":memory:": SQLite may interpret a name that begins with "file:" as
+  // a URI. `flags`: see sqlite3_open_v2. `vfs`: name of an SQLite VFS, empty for the default.
+  static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& path, int flags,
+                                                          const std::string& vfs);
+
+  absl::Status Execute(const std::string& script) override;
+  int changes() const override { return sqlite3_changes(handle_.get()); }
+
+  absl::Status BeginTransaction(TransactionKind kind) override;
+  absl::Status CommitTransaction() override;
+  void RollBackTransaction() override;
+  bool MayRunAgain(const absl::Status&, int) const override { return false; }
+
+  absl::Status OfTexts(const absl::Status& status) const override;
+  absl::Status FlushTexts() override;
+
+  absl::Status SetRowChecksum(std::string_view table, std::int64_t key) override;
+  std::string ChecksumOf(std::string_view values) const override;
+
+  // A write transaction excludes others.
+  std::string_view row_lock() const override { return ""; }
+  // SQLite reads row by row.
+  std::int64_t max_chunk_rows() const override { return std::numeric_limits<std::int64_t>::max(); }
+  bool is_usable() const override { return true; }
+
+  sqlite3* handle() const { return handle_.get(); }
+
+ protected:
+  std::unique_ptr<PreparedStatement> Prepare(std::string_view sql) override;
+  void GiveBack(std::unique_ptr<PreparedStatement> statement) override;
+  std::string InsertSql(std::string_view sql, std::string_view key) const override;
+  absl::StatusOr<std::int64_t> RunInsert(Statement statement) override;
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+  };
+
+  explicit SqliteConnection(std::unique_ptr<sqlite3, Close> handle) : handle_(std::move(handle)) {}
+
+  std::unique_ptr<sqlite3, Close> handle_;
+  // Unused statements by SQL text. A statement that was used twice at a time has two entries.
+  std::multimap<std::string, std::unique_ptr<SqliteStatement>, std::less<>> idle_;
+};
+
+// REQUIRES: an SqliteConnection, as all connections to the file of a store.
+inline sqlite3* HandleOf(const Connection& connection) {
+  return static_cast<const SqliteConnection&>(connection).handle();
+}
+
+}  // namespace motiondb::storage

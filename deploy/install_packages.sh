@@ -8,6 +8,7 @@ build=(
   libabsl-dev libboost-dev libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libsqlite3-dev
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
   libssl-dev       # tokens: random bytes and hashes; checksums of backups; the listener's TLS
+  libpq-dev        # the PostgreSQL store, for several servers
   libnghttp2-dev   # HTTP/2 listener: gRPC 1.51 of Debian does not bound the memory of a connection
   libseccomp-dev   # motiondb-import: system calls of a process that reads a file of unknown origin
   libassimp-dev    # motiondb-import reads FBX, glTF and Collada
@@ -33,6 +34,7 @@ test=(
   libfaiss-dev       # nearest neighbours, the baseline of recognition
   libopenblas0-pthread # for FAISS: the reference BLAS is many times slower
   openssl            # certificates of tests
+  postgresql-15      # tests of the PostgreSQL store start clusters of their own
   python3-grpcio     # the Python client of docs/api.md
   python3-protobuf
   python3-numpy      # reads the files of `motiondb dump`

@@ -36,9 +36,11 @@
 #include "server/server.h"
 #include "server/settings/process_limits.h"
 #include "server/settings/settings_reader.h"
+#include "storage/postgres/postgres_motion_store.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "storage/sqlite/store_file.h"
+#include "storage/store_url.h"
 #include "text/display_text.h"
 
 namespace motiondb::server {
@@ -114,9 +116,21 @@ void LogIndexRebuild(const absl::Status& rebuilt) {
                 std::string(rebuilt.message()));
 }
 
-// Opens the store. This upgrades a store of an older version, which is logged, because older
-// servers can no longer open it.
-absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& settings) {
+void LogUpgrade(const std::string& store, std::int64_t former, std::int64_t latest) {
+  if (former == 0 || former == latest) return;
+  spdlog::info("store {} upgraded from version {} to {}: older servers cannot open it", store,
+               former, latest);
+}
+
+absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenPostgres(const Settings& settings) {
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto store,
+      storage::PostgresMotionStore::Open(settings.store_path, {.read_only = settings.read_only}));
+  LogUpgrade(store->name(), store->versions().before, store->versions().now);
+  return store;
+}
+
+absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenFile(const Settings& settings) {
   const std::string& path = settings.store_path;
   // Open reports errors.
   const int former = settings.read_only ? 0 : storage::ReadStoreVersion(path).value_or(0);
@@ -124,11 +138,18 @@ absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& 
                                             path, {.reserve_bytes = settings.disk_reserve_bytes,
                                                    .read_only = settings.read_only,
                                                    .on_index_rebuild = LogIndexRebuild}));
-  if (settings.read_only) spdlog::info("store {} opened read-only: changes are refused", path);
-  const auto latest = static_cast<int>(storage::Migrations().size());
-  if (former > 0 && former < latest) {
-    spdlog::info("store {} upgraded from version {} to {}: older servers cannot open it", path,
-                 former, latest);
+  LogUpgrade(path, former, std::ssize(storage::Migrations()));
+  return store;
+}
+
+// Opens the store. This upgrades a store of an older version, which is logged, because older
+// servers can no longer open it.
+absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& settings) {
+  const bool is_postgres = storage::IsPostgresUrl(settings.store_path);
+  auto store = is_postgres ? OpenPostgres(settings) : OpenFile(settings);
+  if (store.ok() && settings.read_only) {
+    spdlog::info("store {} opened read-only: changes are refused",
+                 storage::WithoutPassword(settings.store_path));
   }
   return store;
 }
@@ -149,10 +170,10 @@ absl::Status Serve(const Settings& settings) {
   // At any log level.
   for (const std::string& warning : plan.warnings) PrintAlways(settings.log.format, warning);
   // Before the store, so that a long start can be monitored.
-  const auto monitor =
-      std::make_shared<Monitor>(MonitorOptions{.methods = MethodNames(),
-                                               .store_path = settings.store_path,
-                                               .slow_call = settings.log.slow_call});
+  const std::string store_file =
+      storage::IsPostgresUrl(settings.store_path) ? "" : settings.store_path;
+  const auto monitor = std::make_shared<Monitor>(MonitorOptions{
+      .methods = MethodNames(), .store_path = store_file, .slow_call = settings.log.slow_call});
   MOTIONDB_ASSIGN_OR_RETURN(const auto http,
                             StartHealthServer(settings.http_listen, *monitor, settings.log.format));
   if (http != nullptr && !settings.http_listen.empty()) {
@@ -176,7 +197,8 @@ absl::Status Serve(const Settings& settings) {
   }
   fmt::print("motiondbd: listening on {}\n", server->address());
   std::fflush(stdout);
-  spdlog::info("store {}, listening on {}", settings.store_path, server->address());
+  spdlog::info("store {}, listening on {}", storage::WithoutPassword(settings.store_path),
+               server->address());
 
   NotifyServiceManager(fmt::format("READY=1\nSTATUS=listening on {}", server->address()));
 

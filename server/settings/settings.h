@@ -30,7 +30,7 @@ struct LogSettings {
 };
 
 struct Settings {
-  std::string store_path;  // required
+  std::string store_path;  // required; or a URL (storage/store_url.h)
   bool read_only = false;  // SqliteOptions::read_only
   // SqliteOptions::reserve_bytes.
   std::int64_t disk_reserve_bytes = std::int64_t{64} << 20;

@@ -14,6 +14,7 @@
 
 #include "core/motion/error.h"
 #include "server/settings/groups.h"
+#include "storage/store_url.h"
 
 namespace motiondb::server {
 
@@ -354,8 +355,10 @@ std::vector<EffectiveSetting> SettingsReader::Effective() const {
     const auto found = origins_.find(option);
     const Origin origin =
         found != origins_.end() ? found->second : Origin{"default", DefaultOf(*option)};
-    effective.push_back(
-        {KeyOf(*option), FormatValues(origin.values, IsArray(*option)), origin.source});
+    std::vector<std::string> values = origin.values;
+    if (KeyOf(*option) == "store")
+      std::ranges::transform(values, values.begin(), storage::WithoutPassword);
+    effective.push_back({KeyOf(*option), FormatValues(values, IsArray(*option)), origin.source});
   }
   return effective;
 }

@@ -7,12 +7,15 @@
 
 #include "server/settings/groups.h"
 #include "server/settings/options.h"
+#include "storage/store_url.h"
 
 namespace motiondb::server {
 
 void AddStoreSettings(CLI::App& app, Settings& settings) {
-  app.add_option("--store", settings.store_path,
-                 "File of the store with all databases; created if absent")
+  app.add_option(
+         "--store", settings.store_path,
+         "File of the store with all databases; created if absent. Or postgresql://USER@HOST/NAME, "
+         "as libpq takes it: a PostgreSQL database")
       ->type_name("FILE")
       ->group("Store");
   app.add_flag("--read-only", settings.read_only,
@@ -27,7 +30,8 @@ void AddStoreSettings(CLI::App& app, Settings& settings) {
 
 void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems) {
   namespace fs = std::filesystem;
-  if (settings.store_path.empty()) return;  // reported where settings are read
+  if (settings.store_path.empty()) return;                  // reported where settings are read
+  if (storage::IsPostgresUrl(settings.store_path)) return;  // a start connects
   const auto require = [&](const fs::path& path, const char* purpose, int rights) {
     if (access(path.c_str(), rights) == 0) return;
     problems.push_back(absl::FailedPreconditionError(

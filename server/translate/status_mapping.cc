@@ -5,6 +5,7 @@
 #include "absl/strings/cord.h"
 #include "core/motion/error.h"
 #include "motiondb/v1/error.pb.h"
+#include "storage/store_url.h"
 #include "text/display_text.h"
 #include "text/utf8.h"
 
@@ -89,6 +90,16 @@ std::string ReasonOf(const absl::Status& status) {
   return absl::StatusCodeToString(status.code());
 }
 
+std::string RetryInfoOf(std::chrono::milliseconds delay) {
+  v1::RetryInfo retry;
+  retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);
+  retry.mutable_retry_delay()->set_nanos(static_cast<int>(delay.count() % 1000) * 1'000'000);
+  return retry.SerializeAsString();
+}
+
+// Until the store tries to connect again.
+constexpr std::chrono::milliseconds kUnreachableDelay{1000};
+
 bool IsMetadata(absl::string_view url) {
   return std::string_view(url.data(), url.size()).starts_with(core::kMetadataUrl);
 }
@@ -120,15 +131,17 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
     detail.set_type_url(std::string(url));
     detail.set_value(std::string(payload));
   });
+  if (ReasonOf(status) == storage::kStoreUnreachable) {
+    google::protobuf::Any& detail = *details.add_details();
+    detail.set_type_url(kRetryInfoUrl);
+    detail.set_value(RetryInfoOf(kUnreachableDelay));
+  }
   return {ToGrpcCode(status.code()), details.message(), details.SerializeAsString()};
 }
 
 absl::Status RetryLater(std::chrono::milliseconds delay, std::string_view message) {
-  v1::RetryInfo retry;
-  retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);
-  retry.mutable_retry_delay()->set_nanos(static_cast<int>(delay.count() % 1000) * 1'000'000);
   absl::Status status = absl::ResourceExhaustedError(std::string(message));
-  status.SetPayload(kRetryInfoUrl, absl::Cord(retry.SerializeAsString()));
+  status.SetPayload(kRetryInfoUrl, absl::Cord(RetryInfoOf(delay)));
   return status;
 }
 

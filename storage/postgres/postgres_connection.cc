@@ -1,0 +1,147 @@
+#include "storage/postgres/postgres_connection.h"
+
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/postgres/postgres_error.h"
+#include "storage/postgres/postgres_sql.h"
+
+namespace motiondb::storage {
+namespace {
+
+constexpr int kMaxAttempts = 8;  // of a transaction
+
+// Returns whether an error ended the session: one of libpq itself, or a fatal one of PostgreSQL.
+// PQstatus can notice it only at the next call.
+bool EndsSession(const PGresult* result) {
+  const char* const severity = PQresultErrorField(result, PG_DIAG_SEVERITY_NONLOCALIZED);
+  return severity == nullptr || std::string_view(severity) == "FATAL" ||
+         std::string_view(severity) == "PANIC";
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::Open(
+    std::shared_ptr<PostgresConnector> connector) {
+  MOTIONDB_ASSIGN_OR_RETURN(SessionHandle session, connector->Connect());
+  return std::unique_ptr<PostgresConnection>(
+      new PostgresConnection(std::move(connector), std::move(session)));
+}
+
+absl::Status PostgresConnection::Reconnect() {
+  MOTIONDB_ASSIGN_OR_RETURN(handle_, connector_->Connect());
+  prepared_.clear();
+  is_lost_ = false;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ResultHandle> PostgresConnection::Finish(PGresult* result) {
+  ResultHandle finished(result);
+  const ExecStatusType status = PQresultStatus(finished.get());
+  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return finished;
+  absl::Status error = PostgresError(handle_.get(), finished.get());
+  if (EndsSession(finished.get())) is_lost_ = true;
+  if (!is_usable()) return connector_->Unreachable(std::string(error.message()));
+  return error;
+}
+
+absl::StatusOr<std::string> PostgresConnection::Command(const char* sql) {
+  MOTIONDB_ASSIGN_OR_RETURN(const ResultHandle result, Finish(PQexec(handle_.get(), sql)));
+  return std::string(PQcmdStatus(result.get()));
+}
+
+absl::Status PostgresConnection::Execute(const std::string& script) {
+  return Command(script.c_str()).status();
+}
+
+absl::Status PostgresConnection::BeginTransaction(TransactionKind kind) {
+  const bool writes = kind == TransactionKind::kWrite;
+  const char* const begin = writes ? "BEGIN ISOLATION LEVEL READ COMMITTED READ WRITE"
+                                   : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
+  is_writing_ = writes;
+  if (is_usable()) {
+    // A session that ended since its last use fails here, before anything was done.
+    const auto begun = Command(begin);
+    if (begun.ok() || is_usable()) return begun.status();
+  }
+  MOTIONDB_RETURN_IF_ERROR(Reconnect());
+  return Command(begin).status();
+}
+
+absl::Status PostgresConnection::CommitTransaction() {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string tag, Command("COMMIT"));
+  // Of a transaction in which a statement failed, PostgreSQL answers with ROLLBACK.
+  if (tag != "COMMIT") return absl::InternalError("PostgreSQL: the transaction was rolled back");
+  return absl::OkStatus();
+}
+
+void PostgresConnection::RollBackTransaction() {
+  if (PQtransactionStatus(handle_.get()) == PQTRANS_IDLE || !is_usable()) return;
+  Command("ROLLBACK").status().IgnoreError();
+}
+
+bool PostgresConnection::MayRunAgain(const absl::Status& error, int attempts) const {
+  if (!IsConflict(error) || attempts >= kMaxAttempts) return false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(2 * attempts));
+  return true;
+}
+
+std::unique_ptr<PreparedStatement> PostgresConnection::Prepare(std::string_view sql) {
+  const auto [known, is_new] = translated_.try_emplace(std::string(sql));
+  if (is_new) known->second = ToPostgresSql(sql);
+  return std::make_unique<PostgresStatement>(*this, known->second);
+}
+
+absl::StatusOr<std::string> PostgresConnection::NameOf(const PostgresStatement& statement) {
+  const auto& types = statement.parameters().types;
+  std::string key = statement.sql();
+  for (const Oid type : types) key += fmt::format(",{}", type);
+  const auto known = prepared_.find(key);
+  if (known != prepared_.end()) return known->second;
+  std::string name = fmt::format("s{}", prepared_.size());
+  MOTIONDB_RETURN_IF_ERROR(Finish(PQprepare(handle_.get(), name.c_str(), statement.sql().c_str(),
+                                            static_cast<int>(types.size()), types.data()))
+                               .status());
+  prepared_.emplace(std::move(key), name);
+  return name;
+}
+
+absl::StatusOr<ResultHandle> PostgresConnection::Run(const PostgresStatement& statement) {
+  const PostgresParameters& parameters = statement.parameters();
+  const auto count = static_cast<int>(parameters.types.size());
+  PGresult* result = nullptr;
+  if (connector_->address().pooled) {
+    result = PQexecParams(handle_.get(), statement.sql().c_str(), count, parameters.types.data(),
+                          parameters.values.data(), parameters.lengths.data(),
+                          parameters.formats.data(), /*resultFormat=*/1);
+  } else {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::string name, NameOf(statement));
+    result = PQexecPrepared(handle_.get(), name.c_str(), count, parameters.values.data(),
+                            parameters.lengths.data(), parameters.formats.data(),
+                            /*resultFormat=*/1);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(ResultHandle finished, Finish(result));
+  const std::string_view tag = PQcmdStatus(finished.get());
+  if (!tag.starts_with("SELECT")) {
+    const char* const changed = PQcmdTuples(finished.get());
+    changes_ = 0;
+    std::from_chars(changed, changed + std::strlen(changed), changes_);
+  }
+  return finished;
+}
+
+std::string PostgresConnection::InsertSql(std::string_view sql, std::string_view key) const {
+  return fmt::format("{} RETURNING {}", sql, key);
+}
+
+absl::StatusOr<std::int64_t> PostgresConnection::RunInsert(Statement statement) {
+  MOTIONDB_ASSIGN_OR_RETURN(const bool row, statement.Step());
+  if (!row) return absl::InternalError("PostgreSQL: an INSERT returned no key");
+  return statement.Integer(0);
+}
+
+}  // namespace motiondb::storage

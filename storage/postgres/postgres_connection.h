@@ -1,0 +1,84 @@
+// A session of PostgreSQL, with named prepared statements. Only one thread at a time may use it.
+//
+// Calls wait for PostgreSQL: they run on threads of the store, never on one that serves
+// connections. What they send and what they wait for is in one place, Finish, and
+// PQsocket tells when an answer or a notification is there: an asynchronous form replaces Finish.
+#pragma once
+
+#include <libpq-fe.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "absl/status/statusor.h"
+#include "storage/postgres/postgres_connector.h"
+#include "storage/postgres/postgres_statement.h"
+#include "storage/sql/connection.h"
+
+namespace motiondb::storage {
+
+class PostgresConnection final : public Connection {
+ public:
+  // The errors of PostgresConnector.
+  static absl::StatusOr<std::unique_ptr<PostgresConnection>> Open(
+      std::shared_ptr<PostgresConnector> connector);
+
+  absl::Status Execute(const std::string& script) override;
+  int changes() const override { return changes_; }
+
+  // Connects again if the session was lost: the errors of PostgresConnector.
+  absl::Status BeginTransaction(TransactionKind kind) override;
+  // UNAVAILABLE if the session was lost meanwhile: it is then unknown whether the changes were
+  // made.
+  absl::Status CommitTransaction() override;
+  void RollBackTransaction() override;
+  // Waits a few milliseconds before it returns true.
+  bool MayRunAgain(const absl::Status& error, int attempts) const override;
+
+  // Triggers set the checksums (migrations.cc).
+  absl::Status SetRowChecksum(std::string_view, std::int64_t) override { return absl::OkStatus(); }
+  std::string ChecksumOf(std::string_view) const override { return "NULL"; }
+
+  std::string_view row_lock() const override { return is_writing_ ? " FOR NO KEY UPDATE" : ""; }
+  // A statement has all its rows in memory.
+  std::int64_t max_chunk_rows() const override { return 16; }
+  bool is_usable() const override { return !is_lost_ && PQstatus(handle_.get()) == CONNECTION_OK; }
+
+  // Runs a statement with its parameters.
+  absl::StatusOr<ResultHandle> Run(const PostgresStatement& statement);
+
+  // As PQserverVersion: 150003 is 15.3.
+  int server_version() const { return PQserverVersion(handle_.get()); }
+  // Process id of PostgreSQL's side of the session.
+  int backend_pid() const { return PQbackendPID(handle_.get()); }
+
+ protected:
+  std::unique_ptr<PreparedStatement> Prepare(std::string_view sql) override;
+  void GiveBack(std::unique_ptr<PreparedStatement>) override {}
+  std::string InsertSql(std::string_view sql, std::string_view key) const override;
+  absl::StatusOr<std::int64_t> RunInsert(Statement statement) override;
+
+ private:
+  PostgresConnection(std::shared_ptr<PostgresConnector> connector, SessionHandle session)
+      : connector_(std::move(connector)), handle_(std::move(session)) {}
+  absl::Status Reconnect();
+  // Runs one statement without parameters; returns its command tag, as in "COMMIT".
+  absl::StatusOr<std::string> Command(const char* sql);
+  // Returns the result that a call of libpq waited for, or its error.
+  absl::StatusOr<ResultHandle> Finish(PGresult* result);
+  // Returns the name of the prepared statement for this text and these types.
+  absl::StatusOr<std::string> NameOf(const PostgresStatement& statement);
+
+  const std::shared_ptr<PostgresConnector> connector_;
+  SessionHandle handle_;
+  bool is_lost_ = false;  // an error ended the session
+  bool is_writing_ = false;
+  int changes_ = 0;
+  std::unordered_map<std::string, std::string> translated_;  // SQL by the tables' SQL
+  std::unordered_map<std::string, std::string> prepared_;    // names by SQL and types
+};
+
+}  // namespace motiondb::storage

@@ -1,0 +1,132 @@
+#include "storage/postgres/postgres_motion_store.h"
+
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/postgres/postgres_connection.h"
+#include "storage/postgres/postgres_verifier.h"
+#include "storage/postgres/text_search.h"
+#include "storage/sql/sql_motion_store_work.h"
+
+namespace motiondb::storage {
+namespace {
+
+// The version that the tests use.
+constexpr int kMinServerVersion = 150000;
+
+std::int64_t SystemTimeUs() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+absl::Status CheckServerVersion(const PostgresConnection& connection) {
+  if (connection.server_version() >= kMinServerVersion) return absl::OkStatus();
+  return core::FailedPrecondition("motiondb needs PostgreSQL {} or newer; the server has {}.{}",
+                                  kMinServerVersion / 10000, connection.server_version() / 10000,
+                                  connection.server_version() % 10000);
+}
+
+absl::Status NotYet(std::string_view what) {
+  return absl::UnimplementedError(
+      fmt::format("a PostgreSQL store has no {} yet: use pg_dump or pg_basebackup", what));
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<PostgresMotionStore>> PostgresMotionStore::Open(
+    const std::string& url, PostgresOptions options) {
+  MOTIONDB_ASSIGN_OR_RETURN(PostgresAddress address, ParsePostgresUrl(url));
+  if (!options.now_us) options.now_us = SystemTimeUs;
+  auto connector = std::make_shared<PostgresConnector>(std::move(address));
+  MOTIONDB_ASSIGN_OR_RETURN(auto first, PostgresConnection::Open(connector));
+  MOTIONDB_RETURN_IF_ERROR(CheckServerVersion(*first));
+  SchemaVersions versions;
+  std::unique_ptr<Writer> writer;
+  if (options.read_only) {
+    MOTIONDB_RETURN_IF_ERROR(InTransaction(*first, Transaction::Kind::kRead, CheckPostgresVersion));
+    versions.now = versions.before = std::ssize(PostgresMigrations());
+  } else {
+    MOTIONDB_ASSIGN_OR_RETURN(versions, MigratePostgres(*first));
+    try {
+      writer = std::make_unique<Writer>(std::move(first));
+    } catch (const std::system_error& error) {
+      return absl::ResourceExhaustedError(
+          fmt::format("cannot start the writer thread: {}", error.what()));
+    }
+  }
+  auto readers = std::make_unique<ReaderPool>(
+      [connector]() -> absl::StatusOr<std::unique_ptr<Connection>> {
+        MOTIONDB_ASSIGN_OR_RETURN(auto reader, PostgresConnection::Open(connector));
+        return std::unique_ptr<Connection>(std::move(reader));
+      },
+      ReaderPool::Check(), options.reader_count);
+  return std::unique_ptr<PostgresMotionStore>(new PostgresMotionStore(
+      std::move(connector), versions, std::move(writer), std::move(readers), options));
+}
+
+PostgresMotionStore::PostgresMotionStore(std::shared_ptr<PostgresConnector> connector,
+                                         SchemaVersions versions, std::unique_ptr<Writer> writer,
+                                         std::unique_ptr<ReaderPool> readers,
+                                         const PostgresOptions& options)
+    : SqlMotionStore(std::move(writer), std::move(readers), options.now_us),
+      connector_(std::move(connector)),
+      versions_(versions),
+      read_only_(options.read_only) {}
+
+absl::Status PostgresMotionStore::CheckWrites() {
+  if (!write_health().is_suspect()) return absl::OkStatus();
+  return write_health().Try([this] { return TryWriting(); });
+}
+
+absl::Status PostgresMotionStore::TryWriting() {
+  constexpr std::chrono::seconds kMaxWait{1};
+  const auto latest = std::chrono::steady_clock::now() + kMaxWait;
+  return Write(
+      Priority::kUrgent,
+      [](Connection& connection) {
+        return connection.Query("UPDATE motiondb_schema SET version = version").Run();
+      },
+      [&] { return std::chrono::steady_clock::now() > latest; });
+}
+
+absl::StatusOr<std::vector<TextMatch>> PostgresMotionStore::SearchClips(const std::string& database,
+                                                                        const std::string& query) {
+  return Read(
+      [&](Connection& connection) { return SearchPostgresTexts(connection, database, query); });
+}
+
+absl::Status PostgresMotionStore::CheckIsWritable() const {
+  if (!read_only_) return absl::OkStatus();
+  return core::FailedPrecondition(
+      "the store is open read-only: restart motiondbd without --read-only to change it");
+}
+
+absl::StatusOr<std::unique_ptr<StoreVerifier>> PostgresMotionStore::BeginVerify(
+    core::Cancelled cancelled) {
+  return std::make_unique<PostgresVerifier>(
+      [this](const SqlVerifier::Look& look) { return Read(look); }, std::vector<Corruption>(),
+      std::move(cancelled));
+}
+
+absl::StatusOr<std::unique_ptr<StoreBackup>> PostgresMotionStore::BeginBackup(
+    const core::Cancelled&) {
+  return NotYet("backup");
+}
+
+absl::StatusOr<std::unique_ptr<StoreRestore>> PostgresMotionStore::BeginRestore() {
+  return NotYet("restore");
+}
+
+absl::StatusOr<std::unique_ptr<StoreBackup>> PostgresMotionStore::BeginExport(
+    const std::string&, const core::Cancelled&) {
+  return NotYet("export of one database");
+}
+
+absl::StatusOr<std::unique_ptr<DatabaseImport>> PostgresMotionStore::BeginImport() {
+  return NotYet("import of a database");
+}
+
+}  // namespace motiondb::storage

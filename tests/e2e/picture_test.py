@@ -38,6 +38,9 @@ class Pictures(WithServer):
         if not os.path.isdir(MODELS):
             self.skipTest(f"assimp-testmodels is not installed: {MODELS} is missing")
         super().setUp()
+        self.begin_with("demo", self.fill)
+
+    def fill(self):
         self.server.ask_one("create", "demo")
         self.server.ask("ingest", "demo", "--label", "<script>box</script>",
                         f"{MODELS}/Boxing_Toes.bvh")

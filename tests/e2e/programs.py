@@ -84,6 +84,22 @@ class WithServer(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder.name, name)
 
+    _filled = {}  # bytes of stores, by key
+
+    def begin_with(self, key, fill):
+        """Starts the server again with the store that `fill` makes: once for each key, since builds
+        are slow with sanitizers. Later tests get a copy."""
+        if key not in self._filled:
+            fill()
+        assert self.server.stop() == 0
+        if key in self._filled:
+            with open(self.store, "wb") as file:
+                file.write(self._filled[key])
+        else:
+            with open(self.store, "rb") as file:
+                self._filled[key] = file.read()
+        self.server = Server(self.store)
+
 
 def needs_data():
     """Skips the test, or all tests of a class whose setUpClass calls it, if the data is missing."""

@@ -24,13 +24,16 @@ class AnyMachine(WithServer):
         if not os.path.isdir(MODELS):
             self.skipTest(f"assimp-testmodels is not installed: {MODELS} is missing")
         super().setUp()  # last: tearDown does not run for a skipped test
-        self.server.ask_one("create", "demo")
 
     def ingest(self, *names):
-        return self.server.ask("ingest", "demo", *[f"{MODELS}/{name}.bvh" for name in names])
+        self.server.ask_one("create", "demo")
+        self.server.ask("ingest", "demo", *[f"{MODELS}/{name}.bvh" for name in names])
+
+    def begin_with_clips(self, *names):
+        self.begin_with(names, lambda: self.ingest(*names))
 
     def test_all_queries(self):
-        self.ingest("01_01", "01_03", "Boxing_Toes")
+        self.begin_with_clips("01_01", "01_03", "Boxing_Toes")
         described = self.server.ask_one("describe", "demo")
         self.assertEqual(described["clip_count"], 3)
         self.assertEqual(described["nodes_per_layer"][0], 1)
@@ -66,7 +69,7 @@ class AnyMachine(WithServer):
         self.assertEqual(times, sorted(times))
 
     def test_find_similar_parts(self):
-        self.ingest("01_01", "01_03", "Boxing_Toes")
+        self.begin_with_clips("01_01", "01_03", "Boxing_Toes")
         own = self.server.ask_one("find", "demo", "--clip", "Boxing_Toes@3.1-4.35", "--top", "3")["matches"]
         self.assertEqual(len(own), 3)
         self.assertTrue(own[0]["clip"].endswith("/Boxing_Toes"))
@@ -90,7 +93,7 @@ class AnyMachine(WithServer):
         self.assertEqual(lost.returncode, 1)
 
     def test_observe_replays_a_motion(self):
-        self.ingest("01_01", "01_03", "Boxing_Toes")
+        self.begin_with_clips("01_01", "01_03", "Boxing_Toes")
         boxing = f"{MODELS}/Boxing_Toes.bvh"
         answers = self.server.ask("observe", "demo", boxing, "--frames-per-message", "4",
                                   "--horizon", "0.1")
@@ -112,7 +115,7 @@ class AnyMachine(WithServer):
         self.assertIn("(longest)", replayed.stdout)
 
     def test_a_restart_reads_the_stored_model(self):
-        self.ingest("01_01", "Boxing_Toes")
+        self.begin_with_clips("01_01", "Boxing_Toes")
         before = self.server.ask_one("recognize", "demo", f"{MODELS}/01_03.bvh")
         self.assertEqual(self.server.stop(), 0, "SIGTERM drains and exits with 0")
         self.server = Server(self.store)
@@ -127,7 +130,7 @@ class AnyMachine(WithServer):
         self.assertEqual([clip["name"] for clip in clips], ["databases/demo/clips/01_01"])
 
     def test_export_returns_the_original_file(self):
-        self.ingest("01_01")
+        self.begin_with_clips("01_01", "Boxing_Toes")
         self.server.ask("export", "demo", "01_01", "--out", self.folder.name)
         with open(f"{MODELS}/01_01.bvh", "rb") as original, open(self.path("01_01.bvh"), "rb") as back:
             self.assertEqual(original.read(), back.read())
@@ -137,13 +140,14 @@ class AnyMachine(WithServer):
             whole = file.read()
         with open(self.path("cut.bvh"), "wb") as file:
             file.write(whole[:len(whole) // 2])
+        self.server.ask_one("create", "demo")
         result = self.server.run("ingest", "demo", self.path("cut.bvh"), f"{MODELS}/01_01.bvh")
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("cut.bvh", result.stderr)
         self.assertEqual(len(self.server.ask("list", "demo")), 1)
 
     def test_deleting_rebuilds(self):
-        self.ingest("01_01", "Boxing_Toes")
+        self.begin_with_clips("01_01", "Boxing_Toes")
         self.server.ask("delete", "demo", "01_01")
         described = self.server.ask_one("describe", "demo")
         self.assertEqual((described["clip_count"], described["model_version"]), (1, 2))
@@ -186,7 +190,7 @@ RFoot = RightFoot offset RightFoot 0 0 0.1
         self.assertIn("LeftFoot", result.stderr)
 
     def test_dump_opens_in_numpy(self):
-        self.ingest("01_01", "Boxing_Toes")
+        self.begin_with_clips("01_01", "Boxing_Toes")
         self.server.ask("dump", "demo", self.path("dump"))
         load = lambda name: numpy.load(self.path("dump/" + name))
         described = self.server.ask_one("describe", "demo")

@@ -52,4 +52,6 @@ if [ -z "${TMPDIR:-}" ] && [ "${free_mib:-0}" -gt 4096 ] &&
   export TMPDIR
   trap 'rm -rf "$TMPDIR"' EXIT
 fi
-ctest --test-dir "build/$preset" --no-tests=error --output-on-failure --timeout "$timeout" --parallel "$(nproc)" "$@"
+# One test more than processors, because tests also wait.
+ctest --test-dir "build/$preset" --no-tests=error --output-on-failure --timeout "$timeout" \
+  --parallel $(($(nproc) + 1)) "$@"

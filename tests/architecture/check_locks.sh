@@ -17,5 +17,6 @@ mapfile -t files < <(grep -rlE 'MutexLock|ReadLock|ABSL_GUARDED_BY' storage serv
 [ ${#files[@]} -gt 20 ] || { echo "locks: found only ${#files[@]} files with a mutex" >&2; exit 1; }
 printf '%s\n' "${files[@]}" | xargs -P "$(nproc)" -n 4 clang++ -std=c++20 -fsyntax-only -w \
   -Wthread-safety -Werror=thread-safety -DMOTIONDB_VERSION='""' -DFMT_SHARED -DSPDLOG_FMT_EXTERNAL \
-  -I. -Iclient/include -isystem /usr/include/eigen3 -isystem "$build/proto/generated"
+  -I. -Iclient/include -isystem /usr/include/eigen3 -isystem /usr/include/postgresql \
+  -isystem "$build/proto/generated"
 echo "locks: ${#files[@]} files lock correctly"

@@ -23,7 +23,7 @@ log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 if ! printf '%s\n' "${files[@]}" | xargs -P "$(nproc)" -I{} clang-tidy --quiet {} -- -std=c++20 \
     -DMOTIONDB_VERSION='""' -DFMT_SHARED -DSPDLOG_FMT_EXTERNAL -I. -Iclient/include \
-    -isystem /usr/include/eigen3 -isystem "$build/proto/generated" > "$log" 2>&1; then
+    -isystem /usr/include/eigen3 -isystem /usr/include/postgresql -isystem "$build/proto/generated" > "$log" 2>&1; then
   grep -vE '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter' "$log"
   exit 1
 fi

@@ -20,6 +20,7 @@
 #include "storage/access_store.h"
 #include "storage/annotation_store.h"
 #include "storage/records.h"
+#include "storage/store_changes.h"
 #include "storage/store_maintenance.h"
 
 namespace motiondb::core {
@@ -170,6 +171,11 @@ class MotionStore {
   // is low, it blocks for a small test write, at most once a second.
   virtual absl::Status CheckWrites() = 0;
   virtual WriteFailures write_failures() const = 0;
+
+  // Calls `on_change` after changes of this or another server, from another thread, until the
+  // result is destroyed. Null if the store is never changed by another server, or cannot notify.
+  // Calls can be lost and repeated: whoever must not miss a change also polls Revision.
+  virtual std::unique_ptr<StoreWatch> WatchChanges(OnStoreChange) { return nullptr; }
 
   // Edits, segments, changes and text search. Valid as long as this store.
   virtual AnnotationStore& annotations() = 0;

@@ -42,7 +42,9 @@ absl::Status PostgresConnection::Reconnect() {
 absl::StatusOr<ResultHandle> PostgresConnection::Finish(PGresult* result) {
   ResultHandle finished(result);
   const ExecStatusType status = PQresultStatus(finished.get());
-  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return finished;
+  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK || status == PGRES_SINGLE_TUPLE) {
+    return finished;
+  }
   absl::Status error = PostgresError(handle_.get(), finished.get());
   if (EndsSession(finished.get())) is_lost_ = true;
   if (!is_usable()) return connector_->Unreachable(std::string(error.message()));
@@ -90,10 +92,19 @@ bool PostgresConnection::MayRunAgain(const absl::Status& error, int attempts) co
   return true;
 }
 
-std::unique_ptr<PreparedStatement> PostgresConnection::Prepare(std::string_view sql) {
+const std::string& PostgresConnection::Translated(std::string_view sql) {
   const auto [known, is_new] = translated_.try_emplace(std::string(sql));
   if (is_new) known->second = ToPostgresSql(sql);
-  return std::make_unique<PostgresStatement>(*this, known->second);
+  return known->second;
+}
+
+std::unique_ptr<PreparedStatement> PostgresConnection::Prepare(std::string_view sql) {
+  return std::make_unique<PostgresStatement>(*this, Translated(sql), PostgresStatement::Rows::kAll);
+}
+
+std::unique_ptr<PreparedStatement> PostgresConnection::PrepareStream(std::string_view sql) {
+  return std::make_unique<PostgresStatement>(*this, Translated(sql),
+                                             PostgresStatement::Rows::kStream);
 }
 
 absl::StatusOr<std::string> PostgresConnection::NameOf(const PostgresStatement& statement) {
@@ -132,6 +143,64 @@ absl::StatusOr<ResultHandle> PostgresConnection::Run(const PostgresStatement& st
     std::from_chars(changed, changed + std::strlen(changed), changes_);
   }
   return finished;
+}
+
+absl::Status PostgresConnection::Send(const PostgresStatement& statement) {
+  const PostgresParameters& parameters = statement.parameters();
+  const int sent = PQsendQueryParams(
+      handle_.get(), statement.sql().c_str(), static_cast<int>(parameters.types.size()),
+      parameters.types.data(), parameters.values.data(), parameters.lengths.data(),
+      parameters.formats.data(), /*resultFormat=*/1);
+  if (sent != 0 && PQsetSingleRowMode(handle_.get()) != 0) return absl::OkStatus();
+  return Finish(nullptr).status();
+}
+
+absl::StatusOr<ResultHandle> PostgresConnection::NextRow() {
+  auto result = Finish(PQgetResult(handle_.get()));
+  const bool is_last = !result.ok() || PQresultStatus(result->get()) != PGRES_SINGLE_TUPLE;
+  // After the last result, libpq has a null.
+  while (is_last && is_usable()) {
+    const ResultHandle rest(PQgetResult(handle_.get()));
+    if (rest == nullptr) break;
+  }
+  return result;
+}
+
+void PostgresConnection::StopRows() {
+  char error[256];
+  PGcancel* const cancel = PQgetCancel(handle_.get());
+  PQcancel(cancel, error, sizeof(error));
+  PQfreeCancel(cancel);
+  while (true) {
+    const ResultHandle rest(PQgetResult(handle_.get()));
+    if (rest == nullptr) return;
+  }
+}
+
+std::string PostgresConnection::RowIsChanged(std::string_view table) const {
+  return fmt::format("row_crc IS DISTINCT FROM motiondb_row_crc({})", table);
+}
+
+absl::StatusOr<std::vector<std::int64_t>> PostgresConnection::FreeKeys(std::string_view table,
+                                                                       std::string_view key,
+                                                                       int count) {
+  Statement row =
+      Query("SELECT nextval(pg_get_serial_sequence(?, ?)::regclass) FROM generate_series(1, ?)",
+            table, key, count);
+  std::vector<std::int64_t> keys;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return keys;
+    keys.push_back(row.Integer(0));
+  }
+}
+
+absl::Status PostgresConnection::SkipUsedKeys(std::string_view table, std::string_view key) {
+  const std::string sequence =
+      fmt::format("pg_get_serial_sequence('{}', '{}')::regclass", table, key);
+  return Query(fmt::format("SELECT setval({0}, greatest(nextval({0}), max({1}))) FROM {2}",
+                           sequence, key, table))
+      .Run();
 }
 
 std::string PostgresConnection::InsertSql(std::string_view sql, std::string_view key) const {

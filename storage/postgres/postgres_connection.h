@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "storage/postgres/postgres_connector.h"
@@ -42,6 +43,11 @@ class PostgresConnection final : public Connection {
   absl::Status SetRowChecksum(std::string_view, std::int64_t) override { return absl::OkStatus(); }
   std::string ChecksumOf(std::string_view) const override { return "NULL"; }
 
+  std::string RowIsChanged(std::string_view table) const override;
+  absl::StatusOr<std::vector<std::int64_t>> FreeKeys(std::string_view table, std::string_view key,
+                                                     int count) override;
+  absl::Status SkipUsedKeys(std::string_view table, std::string_view key) override;
+
   std::string_view row_lock() const override { return is_writing_ ? " FOR NO KEY UPDATE" : ""; }
   // A statement has all its rows in memory.
   std::int64_t max_chunk_rows() const override { return 16; }
@@ -50,6 +56,12 @@ class PostgresConnection final : public Connection {
   // Runs a statement with its parameters.
   absl::StatusOr<ResultHandle> Run(const PostgresStatement& statement);
 
+  // Sends a statement; NextRow then returns its rows one after another (PGRES_SINGLE_TUPLE), last a
+  // result without rows. StopRows ends it before that.
+  absl::Status Send(const PostgresStatement& statement);
+  absl::StatusOr<ResultHandle> NextRow();
+  void StopRows();
+
   // As PQserverVersion: 150003 is 15.3.
   int server_version() const { return PQserverVersion(handle_.get()); }
   // Process id of PostgreSQL's side of the session.
@@ -57,6 +69,7 @@ class PostgresConnection final : public Connection {
 
  protected:
   std::unique_ptr<PreparedStatement> Prepare(std::string_view sql) override;
+  std::unique_ptr<PreparedStatement> PrepareStream(std::string_view sql) override;
   void GiveBack(std::unique_ptr<PreparedStatement>) override {}
   std::string InsertSql(std::string_view sql, std::string_view key) const override;
   absl::StatusOr<std::int64_t> RunInsert(Statement statement) override;
@@ -67,6 +80,7 @@ class PostgresConnection final : public Connection {
   absl::Status Reconnect();
   // Runs one statement without parameters; returns its command tag, as in "COMMIT".
   absl::StatusOr<std::string> Command(const char* sql);
+  const std::string& Translated(std::string_view sql);
   // Returns the result that a call of libpq waited for, or its error.
   absl::StatusOr<ResultHandle> Finish(PGresult* result);
   // Returns the name of the prepared statement for this text and these types.

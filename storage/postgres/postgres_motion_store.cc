@@ -29,11 +29,6 @@ absl::Status CheckServerVersion(const PostgresConnection& connection) {
                                   connection.server_version() % 10000);
 }
 
-absl::Status NotYet(std::string_view what) {
-  return absl::UnimplementedError(
-      fmt::format("a PostgreSQL store has no {} yet: use pg_dump or pg_basebackup", what));
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<PostgresMotionStore>> PostgresMotionStore::Open(
@@ -109,24 +104,6 @@ absl::StatusOr<std::unique_ptr<StoreVerifier>> PostgresMotionStore::BeginVerify(
   return std::make_unique<PostgresVerifier>(
       [this](const SqlVerifier::Look& look) { return Read(look); }, std::vector<Corruption>(),
       std::move(cancelled));
-}
-
-absl::StatusOr<std::unique_ptr<StoreBackup>> PostgresMotionStore::BeginBackup(
-    const core::Cancelled&) {
-  return NotYet("backup");
-}
-
-absl::StatusOr<std::unique_ptr<StoreRestore>> PostgresMotionStore::BeginRestore() {
-  return NotYet("restore");
-}
-
-absl::StatusOr<std::unique_ptr<StoreBackup>> PostgresMotionStore::BeginExport(
-    const std::string&, const core::Cancelled&) {
-  return NotYet("export of one database");
-}
-
-absl::StatusOr<std::unique_ptr<DatabaseImport>> PostgresMotionStore::BeginImport() {
-  return NotYet("import of a database");
 }
 
 }  // namespace motiondb::storage

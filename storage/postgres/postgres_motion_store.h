@@ -16,6 +16,7 @@
 #include "storage/postgres/postgres_connector.h"
 #include "storage/postgres/schema.h"
 #include "storage/sql/sql_motion_store.h"
+#include "storage/sqlite/copy_file.h"
 
 namespace motiondb::storage {
 
@@ -48,7 +49,8 @@ class PostgresMotionStore final : public SqlMotionStore {
   // There is no file.
   absl::Status CheckFile() override { return absl::OkStatus(); }
   absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) override;
-  // The following return UNIMPLEMENTED, with what to use instead.
+  // A backup is the file of an SQLite store, which either kind of store restores. Copies are in a
+  // folder for temporary files (TMPDIR).
   absl::StatusOr<std::unique_ptr<StoreBackup>> BeginBackup(
       const core::Cancelled& cancelled) override;
   absl::StatusOr<std::unique_ptr<StoreRestore>> BeginRestore() override;
@@ -69,10 +71,13 @@ class PostgresMotionStore final : public SqlMotionStore {
   absl::Status CheckMayWrite(Connection&, Added) override { return absl::OkStatus(); }
   bool checks_room() const override { return false; }
   absl::Status TryWriting();
+  // Replaces the content of this store by the store of a checked backup.
+  absl::Status ReplaceContent(Connection& backup, const core::Cancelled& cancelled);
 
   const std::shared_ptr<PostgresConnector> connector_;
   const SchemaVersions versions_;
   const bool read_only_;
+  CopyFolder copies_;
 };
 
 }  // namespace motiondb::storage

@@ -95,14 +95,23 @@ void PostgresStatement::BindBlob(std::span<const std::byte> blob) {
 
 void PostgresStatement::BindNull() { Add(0, nullptr, 0); }
 
-void PostgresStatement::BindColumn(const PreparedStatement& row, int column) {
-  const auto& source = static_cast<const PostgresStatement&>(row);
-  if (source.IsNull(column)) return BindNull();
-  const std::string_view bytes = Keep(std::string(source.Bytes(column)));
-  Add(PQftype(source.result_.get(), column), bytes.data(), bytes.size());
+absl::StatusOr<bool> PostgresStatement::StepStream() {
+  if (!is_streaming_) {
+    if (result_ != nullptr) return false;  // after the last row
+    MOTIONDB_RETURN_IF_ERROR(connection_.Send(*this));
+    is_streaming_ = true;
+  }
+  auto row = connection_.NextRow();
+  is_streaming_ = row.ok() && PQresultStatus(row->get()) == PGRES_SINGLE_TUPLE;
+  MOTIONDB_RETURN_IF_ERROR(row.status());
+  MOTIONDB_RETURN_IF_ERROR(CheckTypes(row->get()));
+  result_ = *std::move(row);
+  row_ = 0;
+  return is_streaming_;
 }
 
 absl::StatusOr<bool> PostgresStatement::Step() {
+  if (rows_ == Rows::kStream) return StepStream();
   if (result_ == nullptr) {
     MOTIONDB_ASSIGN_OR_RETURN(ResultHandle result, connection_.Run(*this));
     MOTIONDB_RETURN_IF_ERROR(CheckTypes(result.get()));
@@ -115,6 +124,7 @@ absl::StatusOr<bool> PostgresStatement::Step() {
 }
 
 void PostgresStatement::Reset() {
+  if (std::exchange(is_streaming_, false)) connection_.StopRows();
   parameters_ = {};
   kept_.clear();
   result_.reset();
@@ -130,8 +140,21 @@ bool PostgresStatement::IsNull(int column) const {
   return PQgetisnull(result_.get(), row_, column) != 0;
 }
 
-bool PostgresStatement::IsBlob(int column) const {
-  return !IsNull(column) && PQftype(result_.get(), column) == kBytea;
+ColumnType PostgresStatement::Type(int column) const {
+  if (IsNull(column)) return ColumnType::kNull;
+  switch (PQftype(result_.get(), column)) {
+    case kBytea:
+      return ColumnType::kBlob;
+    case kFloat8:
+      return ColumnType::kReal;
+    case kText:
+    case kName:
+      return ColumnType::kText;
+    case kVoid:
+      return ColumnType::kNull;
+    default:
+      return ColumnType::kInteger;
+  }
 }
 
 std::int64_t PostgresStatement::Integer(int column) const {

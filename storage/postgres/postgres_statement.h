@@ -1,5 +1,5 @@
 // A statement for PostgreSQL: keeps its parameters, runs at the first Step, and then has all its
-// rows. Parameters and results have the binary format.
+// rows, or, of a stream, one after another. Parameters and results have the binary format.
 #pragma once
 
 #include <libpq-fe.h>
@@ -35,16 +35,16 @@ struct PostgresParameters {
 
 class PostgresStatement final : public PreparedStatement {
  public:
+  enum class Rows { kAll, kStream };
   // `sql`: translated (postgres_sql.h). The connection must outlive the object.
-  PostgresStatement(PostgresConnection& connection, const std::string& sql)
-      : connection_(connection), sql_(sql) {}
+  PostgresStatement(PostgresConnection& connection, const std::string& sql, Rows rows)
+      : connection_(connection), sql_(sql), rows_(rows) {}
 
   void BindInteger(std::int64_t value) override;
   void BindReal(double value) override;
   void BindText(std::string_view text) override;  // copied
   void BindBlob(std::span<const std::byte> blob) override;
   void BindNull() override;
-  void BindColumn(const PreparedStatement& row, int column) override;
 
   absl::StatusOr<bool> Step() override;
   void Reset() override;
@@ -53,13 +53,14 @@ class PostgresStatement final : public PreparedStatement {
   double Real(int column) const override;
   std::string Text(int column) const override;
   std::span<const std::byte> Blob(int column) const override;
-  bool IsNull(int column) const override;
-  bool IsBlob(int column) const override;
+  ColumnType Type(int column) const override;
 
   const std::string& sql() const { return sql_; }
   const PostgresParameters& parameters() const { return parameters_; }
 
  private:
+  absl::StatusOr<bool> StepStream();
+  bool IsNull(int column) const;
   // `bytes` must outlive the statement or its next Reset.
   void Add(Oid type, const char* bytes, std::size_t size);
   // Returns a copy of the bytes that lives until the next Reset.
@@ -68,6 +69,8 @@ class PostgresStatement final : public PreparedStatement {
 
   PostgresConnection& connection_;
   const std::string sql_;
+  const Rows rows_;
+  bool is_streaming_ = false;  // rows may follow
   PostgresParameters parameters_;
   std::deque<std::string> kept_;  // a deque: its elements do not move
   ResultHandle result_;           // null before the first Step

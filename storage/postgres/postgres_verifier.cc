@@ -53,8 +53,7 @@ absl::Status PostgresVerifier::CheckText(Connection& connection, std::int64_t cl
 
 absl::StatusOr<std::vector<ChangedRow>> PostgresVerifier::FindChanged(Connection& connection,
                                                                       std::string_view table) {
-  return FindRows(connection, table,
-                  fmt::format("row_crc IS DISTINCT FROM motiondb_row_crc({})", table));
+  return FindRows(connection, table, connection.RowIsChanged(table));
 }
 
 }  // namespace motiondb::storage

@@ -16,5 +16,8 @@ absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const
 absl::Status UpdateClipText(Connection& connection, std::int64_t clip_key, const ClipText& text);
 // OK if the clip has none.
 absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key);
+// Fills the empty index with the texts of all clips. A clip whose tags are corrupt is found by the
+// rest of its text.
+absl::Status FillClipText(Connection& connection);
 
 }  // namespace motiondb::storage

@@ -10,6 +10,21 @@ Statement::~Statement() {
   connection_->GiveBack(std::move(prepared_));
 }
 
+void Statement::BindColumn(const Statement& row, int column) {
+  switch (row.Type(column)) {
+    case ColumnType::kNull:
+      return Bind(nullptr);
+    case ColumnType::kInteger:
+      return Bind(row.Integer(column));
+    case ColumnType::kReal:
+      return Bind(row.Real(column));
+    case ColumnType::kText:
+      return Bind(row.Text(column));
+    case ColumnType::kBlob:
+      return Bind(row.Blob(column));
+  }
+}
+
 absl::Status Statement::Run() {
   while (true) {
     const auto row = Step();

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "storage/sql/statement.h"
@@ -35,6 +36,14 @@ class Connection {
   template <typename... Args>
   Statement Query(std::string_view sql, const Args&... args) {
     Statement statement(*this, Prepare(sql));
+    (statement.Bind(args), ...);
+    return statement;
+  }
+  // As Query, for a result that may be larger than the memory: rows are read one after another. No
+  // other statement may run on the connection before the last row or Reset.
+  template <typename... Args>
+  Statement Stream(std::string_view sql, const Args&... args) {
+    Statement statement(*this, PrepareStream(sql));
     (statement.Bind(args), ...);
     return statement;
   }
@@ -74,6 +83,16 @@ class Connection {
   // Returns an SQL expression for the checksum of a row with the columns `values`.
   virtual std::string ChecksumOf(std::string_view values) const = 0;
 
+  // Returns an SQL condition: the checksum of a row of a checked table does not match.
+  virtual std::string RowIsChanged(std::string_view table) const = 0;
+
+  // Returns up to `count` (at least 1) keys that no row of the table has, until the transaction
+  // ends. `key`: the key column.
+  virtual absl::StatusOr<std::vector<std::int64_t>> FreeKeys(std::string_view table,
+                                                             std::string_view key, int count) = 0;
+  // After rows were inserted with given keys: lets the engine choose larger ones.
+  virtual absl::Status SkipUsedKeys(std::string_view table, std::string_view key) = 0;
+
   // What follows a SELECT of rows that the transaction is going to change, so that transactions on
   // them run one after another. Empty if the engine has only one writer, and in a read transaction.
   virtual std::string_view row_lock() const = 0;
@@ -85,6 +104,9 @@ class Connection {
  protected:
   // Returns the statement of a text; never null. Errors are those of its first Step.
   virtual std::unique_ptr<PreparedStatement> Prepare(std::string_view sql) = 0;
+  virtual std::unique_ptr<PreparedStatement> PrepareStream(std::string_view sql) {
+    return Prepare(sql);
+  }
   // Takes a statement back, after its Reset.
   virtual void GiveBack(std::unique_ptr<PreparedStatement> statement) = 0;
   // How an INSERT returns its key: the statement to run, and its key after it ran.

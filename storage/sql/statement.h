@@ -1,7 +1,6 @@
 // A prepared SQL statement with bound parameters, borrowed from a connection: the part of a
 // database engine that the tables of a store use. Parameters are written as in SQLite: `?` is the
-// next one,
-// `?3` number 3.
+// next one, `?3` number 3.
 #pragma once
 
 #include <concepts>
@@ -21,6 +20,8 @@ namespace motiondb::storage {
 
 class Connection;
 
+enum class ColumnType { kNull, kInteger, kReal, kText, kBlob };
+
 // What an engine implements. Keeps the first error, which Step returns.
 class PreparedStatement {
  public:
@@ -32,8 +33,6 @@ class PreparedStatement {
   virtual void BindText(std::string_view text) = 0;
   virtual void BindBlob(std::span<const std::byte> blob) = 0;
   virtual void BindNull() = 0;
-  // Binds a copy of a column of another statement's row. REQUIRES: the same engine.
-  virtual void BindColumn(const PreparedStatement& row, int column) = 0;
 
   virtual absl::StatusOr<bool> Step() = 0;
   virtual void Reset() = 0;
@@ -43,8 +42,7 @@ class PreparedStatement {
   virtual double Real(int column) const = 0;
   virtual std::string Text(int column) const = 0;
   virtual std::span<const std::byte> Blob(int column) const = 0;
-  virtual bool IsNull(int column) const = 0;
-  virtual bool IsBlob(int column) const = 0;
+  virtual ColumnType Type(int column) const = 0;
 };
 
 // Keeps the first error; Step or Run returns it. The destructor returns the statement to the
@@ -66,10 +64,9 @@ class Statement {
   void Bind(const char* text) { prepared_->BindText(text); }
   void Bind(std::span<const std::byte> blob) { prepared_->BindBlob(blob); }
   void Bind(std::nullptr_t) { prepared_->BindNull(); }
-  // Binds a copy of a column of another statement's row.
-  void BindColumn(const Statement& row, int column) {
-    prepared_->BindColumn(*row.prepared_, column);
-  }
+  // Binds a column of a statement's row, of any engine. The row must stay the current one as long
+  // as a blob must.
+  void BindColumn(const Statement& row, int column);
   // Binds NULL if there is no value.
   template <typename Value>
   void Bind(const std::optional<Value>& value) {
@@ -93,8 +90,9 @@ class Statement {
   T Integer(int column) const {
     return static_cast<T>(Integer(column));
   }
-  bool IsNull(int column) const { return prepared_->IsNull(column); }
-  bool IsBlob(int column) const { return prepared_->IsBlob(column); }
+  ColumnType Type(int column) const { return prepared_->Type(column); }
+  bool IsNull(int column) const { return Type(column) == ColumnType::kNull; }
+  bool IsBlob(int column) const { return Type(column) == ColumnType::kBlob; }
   double Real(int column) const { return prepared_->Real(column); }
   std::string Text(int column) const { return prepared_->Text(column); }
   // Valid until the next Step, Reset or the end of the statement.

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "core/motion/error.h"
-#include "storage/blob/annotation_codec.h"
 #include "storage/sql/database_table.h"
 #include "storage/sql/transaction.h"
 #include "storage/sqlite/index_corruption.h"
@@ -70,31 +69,6 @@ int AddWordsFunction(sqlite3* database) {
   return sqlite3_create_function(database, "motiondb_words", 1,
                                  SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS, nullptr,
                                  Words, nullptr, nullptr);
-}
-
-absl::Status FillClipText(Connection& connection) {
-  Statement clip = connection.Query(
-      "SELECT clip_key, title, description, subject, file_name, annotations FROM clip "
-      "WHERE deleted = 0");
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool found, clip.Step());
-    if (!found) return absl::OkStatus();
-    ClipRecord record;
-    record.title = clip.Text(1);
-    record.description = clip.Text(2);
-    record.subject = clip.Text(3);
-    record.file_name = clip.Text(4);
-    if (!clip.IsNull(5)) DecodeAnnotations(clip.Blob(5), record).IgnoreError();
-    std::vector<SegmentRecord> segments;
-    Statement label =
-        connection.Query("SELECT DISTINCT label FROM segment WHERE clip_key = ?", clip.Integer(0));
-    while (true) {
-      MOTIONDB_ASSIGN_OR_RETURN(const bool has_label, label.Step());
-      if (!has_label) break;
-      segments.emplace_back().label = label.Text(0);
-    }
-    MOTIONDB_RETURN_IF_ERROR(InsertClipText(connection, clip.Integer(0), TextOf(record, segments)));
-  }
 }
 
 absl::Status RebuildClipText(Connection& connection) {

@@ -21,9 +21,6 @@ namespace motiondb::storage {
 // code.
 int AddWordsFunction(sqlite3* database);
 
-// Fills the empty index with the texts of all clips. A clip whose tags are corrupt is found by the
-// rest of its text.
-absl::Status FillClipText(Connection& connection);
 // Replaces the index, whatever its state, by one that is filled from the clips. Pages of a corrupt
 // index that SQLite cannot free stay unused. The time is proportional to the number of clips. Makes
 // its own transactions. REQUIRES: `connection` is in no transaction.

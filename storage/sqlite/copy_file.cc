@@ -1,12 +1,16 @@
 #include "storage/sqlite/copy_file.h"
 
 #include <fmt/format.h>
+#include <stdlib.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "storage/sqlite/sqlite_connection.h"
@@ -56,6 +60,26 @@ void CopyFile::Remove() {
   std::error_code ignored;
   for (const std::string_view suffix : kSuffixes)
     fs::remove(fmt::format("{}{}", path_, suffix), ignored);
+}
+
+CopyFolder::~CopyFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+}
+
+absl::StatusOr<std::string> CopyFolder::StorePath() {
+  const MutexLock lock(mutex_);
+  if (path_.empty()) {
+    std::error_code error;
+    std::string pattern = (fs::temp_directory_path(error) / "motiondb-copies-XXXXXX").string();
+    if (error || mkdtemp(pattern.data()) == nullptr) {
+      return absl::UnavailableError(fmt::format(
+          "cannot create a folder for temporary files, '{}': {} (TMPDIR selects another)", pattern,
+          error ? error.message() : std::strerror(errno)));
+    }
+    path_ = std::move(pattern);
+  }
+  return path_ + "/store";
 }
 
 void DeleteStaleCopies(const std::string& store_path) {

@@ -1,11 +1,12 @@
 // Temporary files beside the store, of backup, restore, export and import, and copying a store
-// between connections.
+// between connections. A store without a file has a folder for them.
 #pragma once
 
 #include <string>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
+#include "storage/mutex.h"
 #include "storage/sql/connection.h"
 
 namespace motiondb::storage {
@@ -24,6 +25,23 @@ class CopyFile {
 
  private:
   const std::string path_;
+};
+
+// A new folder among the temporary files (TMPDIR), which only this user can read. The destructor
+// deletes it with its files; they stay if the process is killed. Thread-safe.
+class CopyFolder {
+ public:
+  CopyFolder() = default;
+  CopyFolder(const CopyFolder&) = delete;
+  CopyFolder& operator=(const CopyFolder&) = delete;
+  ~CopyFolder();
+
+  // Returns a store path in the folder for CopyFile; creates the folder. UNAVAILABLE if it cannot.
+  absl::StatusOr<std::string> StorePath();
+
+ private:
+  Mutex mutex_;
+  std::string path_ ABSL_GUARDED_BY(mutex_);  // empty: not created
 };
 
 // Deletes temporary files of a killed process. REQUIRES: the caller holds the StoreLock.

@@ -68,8 +68,7 @@ absl::Status UpdateRowChecksum(Connection& connection, std::string_view table, s
 
 absl::StatusOr<std::vector<ChangedRow>> FindChangedRows(Connection& connection,
                                                         std::string_view table) {
-  return FindRows(connection, table,
-                  fmt::format("row_crc IS NOT motiondb_crc({})", ChecksumColumns(table)));
+  return FindRows(connection, table, connection.RowIsChanged(table));
 }
 
 }  // namespace motiondb::storage

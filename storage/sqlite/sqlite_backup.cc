@@ -5,9 +5,8 @@
 
 #include "core/motion/error.h"
 #include "storage/sql/database_table.h"
+#include "storage/sql/row_copy.h"
 #include "storage/sql/transaction.h"
-#include "storage/sqlite/clip_search.h"
-#include "storage/sqlite/database_copy.h"
 #include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/store_file.h"
 
@@ -37,26 +36,41 @@ absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::MakeExport(
     const DiskReserve& reserve, const core::Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(reader, database));
   std::unique_ptr<SqliteBackup> backup(new SqliteBackup(store_path, "export"));
+  MOTIONDB_RETURN_IF_ERROR(backup->CopyRows(reader, key, reserve, cancelled));
+  return backup;
+}
+
+absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::MakeOfRows(
+    Connection& reader, const std::string& store_path, const core::Cancelled& cancelled) {
+  std::unique_ptr<SqliteBackup> backup(new SqliteBackup(store_path, "backup"));
+  MOTIONDB_RETURN_IF_ERROR(
+      backup->CopyRows(reader, std::nullopt, DiskReserve(store_path, 0), cancelled));
+  return backup;
+}
+
+absl::Status SqliteBackup::CopyRows(Connection& reader, std::optional<std::int64_t> database_key,
+                                    const DiskReserve& reserve, const core::Cancelled& cancelled) {
   {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto copy, OpenWriter(backup->file_.path(), ""));
+    MOTIONDB_ASSIGN_OR_RETURN(const auto copy, OpenWriter(file_.path(), ""));
     // The copy need not survive a crash, and may contain what is corrupt: an import finds it.
     MOTIONDB_RETURN_IF_ERROR(
         copy->Execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; "
                       "PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON"));
-    DatabaseCopy rows(reader, key, DatabaseCopy::Keys::kSame);
+    RowCopy rows(reader, database_key, RowCopy::Mode::kBackup);
     for (bool more = true; more;) {
       if (cancelled && cancelled()) {
-        return absl::CancelledError("cancelled while the database was copied");
+        return absl::CancelledError(database_key ? "cancelled while the database was copied"
+                                                 : "cancelled while the store was copied");
       }
-      MOTIONDB_RETURN_IF_ERROR(reserve.CheckTemporaryFile(DatabaseCopy::kStepBytes));
+      MOTIONDB_RETURN_IF_ERROR(reserve.CheckTemporaryFile(RowCopy::kStepBytes));
       MOTIONDB_ASSIGN_OR_RETURN(
           more, InTransaction(*copy, Transaction::Kind::kWrite,
                               [&](Connection& target) { return rows.Step(target); }));
     }
-    MOTIONDB_RETURN_IF_ERROR(InTransaction(*copy, Transaction::Kind::kWrite, FillClipText));
+    MOTIONDB_RETURN_IF_ERROR(InTransaction(
+        *copy, Transaction::Kind::kWrite, [&](Connection& target) { return rows.Finish(target); }));
   }
-  MOTIONDB_RETURN_IF_ERROR(backup->OpenCopy());
-  return backup;
+  return OpenCopy();
 }
 
 absl::Status SqliteBackup::OpenCopy() {

@@ -1,12 +1,13 @@
-// Backup of an SQLite store, or of one of its databases. First all pages, or rows, are copied to a
-// file beside the store: otherwise the read transaction would last as long as the slowest client,
-// and the log could not be emptied.
+// Backup of a store, or of one of its databases: the file of an SQLite store. First all pages, or
+// rows, are copied to a temporary file: otherwise the read transaction would last as long as the
+// slowest client, and the log could not be emptied.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -25,11 +26,15 @@ class SqliteBackup final : public StoreBackup {
   static absl::StatusOr<std::unique_ptr<SqliteBackup>> Make(Connection& reader,
                                                             const std::string& store_path,
                                                             const core::Cancelled& cancelled);
-  // The same, of one database. The copy leaves `reserve` free.
+  // The same, of one database. The copy leaves `reserve` free. `reader` may be of any engine.
   static absl::StatusOr<std::unique_ptr<SqliteBackup>> MakeExport(Connection& reader,
                                                                   const std::string& database,
                                                                   const std::string& store_path,
                                                                   const DiskReserve& reserve,
+                                                                  const core::Cancelled& cancelled);
+  // The same, of a whole store of any engine, whose rows are copied.
+  static absl::StatusOr<std::unique_ptr<SqliteBackup>> MakeOfRows(Connection& reader,
+                                                                  const std::string& store_path,
                                                                   const core::Cancelled& cancelled);
 
   std::int64_t total_bytes() const override;
@@ -38,6 +43,8 @@ class SqliteBackup final : public StoreBackup {
  private:
   SqliteBackup(const std::string& store_path, const std::string& purpose)
       : file_(store_path, purpose) {}
+  absl::Status CopyRows(Connection& reader, std::optional<std::int64_t> database_key,
+                        const DiskReserve& reserve, const core::Cancelled& cancelled);
   // Opens the complete copy.
   absl::Status OpenCopy();
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <numeric>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -70,6 +71,21 @@ absl::Status SqliteConnection::SetRowChecksum(std::string_view table, std::int64
 
 std::string SqliteConnection::ChecksumOf(std::string_view values) const {
   return fmt::format("motiondb_crc({})", values);
+}
+
+std::string SqliteConnection::RowIsChanged(std::string_view table) const {
+  return fmt::format("row_crc IS NOT motiondb_crc({})", ChecksumColumns(table));
+}
+
+absl::StatusOr<std::vector<std::int64_t>> SqliteConnection::FreeKeys(std::string_view table,
+                                                                     std::string_view key,
+                                                                     int count) {
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const std::int64_t last,
+      QueryInteger(fmt::format("SELECT ifnull(max({}), 0) FROM {}", key, table)));
+  std::vector<std::int64_t> keys(static_cast<std::size_t>(count));
+  std::iota(keys.begin(), keys.end(), last + 1);
+  return keys;
 }
 
 std::string SqliteConnection::InsertSql(std::string_view sql, std::string_view) const {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "storage/sql/connection.h"
@@ -37,6 +38,14 @@ class SqliteConnection final : public Connection {
 
   absl::Status SetRowChecksum(std::string_view table, std::int64_t key) override;
   std::string ChecksumOf(std::string_view values) const override;
+
+  std::string RowIsChanged(std::string_view table) const override;
+  absl::StatusOr<std::vector<std::int64_t>> FreeKeys(std::string_view table, std::string_view key,
+                                                     int count) override;
+  // A new key is above the largest one.
+  absl::Status SkipUsedKeys(std::string_view, std::string_view) override {
+    return absl::OkStatus();
+  }
 
   // A write transaction excludes others.
   std::string_view row_lock() const override { return ""; }

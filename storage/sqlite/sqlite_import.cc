@@ -4,7 +4,7 @@
 
 #include "core/motion/error.h"
 #include "storage/sql/database_table.h"
-#include "storage/sqlite/database_copy.h"
+#include "storage/sql/row_copy.h"
 
 namespace motiondb::storage {
 
@@ -56,7 +56,7 @@ absl::Status SqliteImport::Stage(const core::Cancelled& cancelled) {
   if (checked_ == nullptr) return core::FailedPrecondition("the exported database was not checked");
   // Only one attempt: it cannot continue after an error.
   const std::unique_ptr<Connection> source = std::move(checked_);
-  DatabaseCopy copy(*source, source_key_, DatabaseCopy::Keys::kNew);
+  RowCopy copy(*source, source_key_, RowCopy::Mode::kImport);
   std::int64_t added_bytes = received_->written_bytes();  // first of the whole, then of each step
   for (bool more = true; more;) {
     if (cancelled && cancelled()) {
@@ -66,7 +66,8 @@ absl::Status SqliteImport::Stage(const core::Cancelled& cancelled) {
     const auto step = [&](Connection& store) -> absl::Status {
       // The copy cannot go back to the rows of a transaction that was rolled back.
       if (std::exchange(has_run, true)) {
-        return core::DataLoss("the search index of the store was corrupt: import the file again");
+        return absl::UnavailableError(
+            "a step of the import failed, and cannot be repeated: import the file again");
       }
       MOTIONDB_ASSIGN_OR_RETURN(more, copy.Step(store));
       if (staged_key_ == 0) {
@@ -78,7 +79,7 @@ absl::Status SqliteImport::Stage(const core::Cancelled& cancelled) {
     };
     MOTIONDB_RETURN_IF_ERROR(
         transact_(Priority::kBackground, {nullptr, cancelled}, added_bytes, step));
-    added_bytes = DatabaseCopy::kStepBytes;
+    added_bytes = RowCopy::kStepBytes;
   }
   is_complete_ = true;
   return absl::OkStatus();

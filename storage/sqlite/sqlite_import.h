@@ -1,5 +1,5 @@
-// Import of an exported database into an SQLite store. The file is received and checked beside the
-// store; its rows are copied under new keys in many short transactions.
+// Import of an exported database into a store of any engine. The file is received and checked; its
+// rows are copied under new keys in many short transactions.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Restore of a backup into an SQLite store. The backup is received and checked in a file beside the
-// store, and copied into the store by the writer in one transaction.
+// Restore of a backup into a store of any engine. The backup is received and checked in a file, and
+// copied into the store by the writer in one transaction.
 #pragma once
 
 #include <functional>

@@ -22,11 +22,6 @@ void SqliteStatement::BindBlob(std::span<const std::byte> blob) {
 
 void SqliteStatement::BindNull() { Note(sqlite3_bind_null(handle_.get(), next_parameter_++)); }
 
-void SqliteStatement::BindColumn(const PreparedStatement& row, int column) {
-  sqlite3_stmt* const source = static_cast<const SqliteStatement&>(row).handle_.get();
-  Note(sqlite3_bind_value(handle_.get(), next_parameter_++, sqlite3_column_value(source, column)));
-}
-
 void SqliteStatement::BindInteger(std::int64_t value) {
   Note(sqlite3_bind_int64(handle_.get(), next_parameter_++, value));
 }
@@ -50,6 +45,21 @@ void SqliteStatement::Reset() {
   sqlite3_clear_bindings(handle_.get());
   next_parameter_ = 1;
   status_ = absl::OkStatus();
+}
+
+ColumnType SqliteStatement::Type(int column) const {
+  switch (sqlite3_column_type(handle_.get(), column)) {
+    case SQLITE_INTEGER:
+      return ColumnType::kInteger;
+    case SQLITE_FLOAT:
+      return ColumnType::kReal;
+    case SQLITE_TEXT:
+      return ColumnType::kText;
+    case SQLITE_BLOB:
+      return ColumnType::kBlob;
+    default:
+      return ColumnType::kNull;
+  }
 }
 
 std::string SqliteStatement::Text(int column) const {

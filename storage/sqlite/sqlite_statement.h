@@ -34,7 +34,6 @@ class SqliteStatement final : public PreparedStatement {
   void BindText(std::string_view text) override;  // copied
   void BindBlob(std::span<const std::byte> blob) override;
   void BindNull() override;
-  void BindColumn(const PreparedStatement& row, int column) override;
 
   absl::StatusOr<bool> Step() override;
   void Reset() override;
@@ -46,12 +45,7 @@ class SqliteStatement final : public PreparedStatement {
   double Real(int column) const override { return sqlite3_column_double(handle_.get(), column); }
   std::string Text(int column) const override;
   std::span<const std::byte> Blob(int column) const override;
-  bool IsNull(int column) const override {
-    return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL;
-  }
-  bool IsBlob(int column) const override {
-    return sqlite3_column_type(handle_.get(), column) == SQLITE_BLOB;
-  }
+  ColumnType Type(int column) const override;
 
   // Returns its text; null if it could not be prepared.
   const char* sql() const { return sqlite3_sql(handle_.get()); }

@@ -89,6 +89,37 @@ TEST_CASE("PostgresConnection: values of each type return as they were", "[stora
   REQUIRE_ERROR(Ask(*connection, "SELECT sum(i) FROM t"), StatusCode::kInternal, "unexpected type");
 }
 
+TEST_CASE("PostgresConnection: a stream has the rows one after another, and can be stopped",
+          "[storage][postgres]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr) return;
+  const PostgresDatabase database(*cluster);
+  const auto connection = Connect(database.Url(GENERATE("", "&pooled=1")));
+  const std::string numbers =
+      "SELECT i, repeat('x', 1000) FROM generate_series(?::bigint, 20000) i";
+  for (int round = 0; round < 2; ++round) {
+    std::int64_t rows = 0;
+    auto row = connection->Stream(numbers, 1);
+    while (Require(row.Step())) {
+      REQUIRE(row.Integer(0) == ++rows);
+      REQUIRE(row.Text(1).size() == 1000);
+    }
+    REQUIRE(rows == 20000);
+    REQUIRE_FALSE(Require(row.Step()));
+  }
+  {
+    auto row = connection->Stream(numbers, 19000);
+    REQUIRE(Require(row.Step()));
+    REQUIRE(row.Integer(0) == 19000);
+  }
+  REQUIRE(Require(Ask(*connection, "SELECT 7")) == 7);
+  auto bad = connection->Stream("SELECT 1 / (3 - i) FROM generate_series(1, 9) AS i");
+  REQUIRE(Require(bad.Step()));
+  REQUIRE(Require(bad.Step()));
+  REQUIRE_ERROR(bad.Step(), StatusCode::kInternal, "division by zero");
+  REQUIRE(Require(Ask(*connection, "SELECT 7")) == 7);
+}
+
 TEST_CASE("PostgresConnection: an error rolls the transaction back, and says what failed",
           "[storage][postgres]") {
   PostgresCluster* const cluster = PostgresCluster::Find();

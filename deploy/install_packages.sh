@@ -34,6 +34,7 @@ test=(
   libfaiss-dev       # nearest neighbours, the baseline of recognition
   libopenblas0-pthread # for FAISS: the reference BLAS is many times slower
   openssl            # certificates of tests
+  pgbouncer          # the pooler of a test of the PostgreSQL store
   postgresql-15      # tests of the PostgreSQL store start clusters of their own
   python3-grpcio     # the Python client of docs/api.md
   python3-protobuf

@@ -309,7 +309,33 @@ CREATE TRIGGER row_crc BEFORE INSERT OR UPDATE ON edit
   FOR EACH ROW EXECUTE FUNCTION motiondb_set_row_crc();
 )sql";
 
-constexpr const char* kPostgresMigrations[] = {kPostgresFirst};
+// Changes are notified to other servers (postgres_watch.h), with the commit. The payload is the
+// revision and the name of a database; "0 ": something else changed. A payload has less than 8 kB.
+constexpr char kNotifications[] = R"sql(
+CREATE FUNCTION motiondb_notify_database() RETURNS trigger LANGUAGE plpgsql AS
+  $$ BEGIN
+    IF TG_OP <> 'DELETE' AND NEW.deleted = 0 AND length(NEW.name) <= 1000 THEN
+      PERFORM pg_notify('motiondb', NEW.revision || ' ' || NEW.name);
+    END IF;
+    IF TG_OP <> 'UPDATE' OR NEW.deleted <> OLD.deleted OR NEW.name <> OLD.name THEN
+      PERFORM pg_notify('motiondb', '0 ');
+    END IF;
+    RETURN NULL;
+  END $$;
+CREATE TRIGGER notify AFTER INSERT OR UPDATE OR DELETE ON database
+  FOR EACH ROW EXECUTE FUNCTION motiondb_notify_database();
+CREATE FUNCTION motiondb_notify_other() RETURNS trigger LANGUAGE plpgsql AS
+  $$ BEGIN
+    PERFORM pg_notify('motiondb', '0 ');
+    RETURN NULL;
+  END $$;
+CREATE TRIGGER notify AFTER INSERT OR UPDATE OR DELETE ON operation
+  FOR EACH STATEMENT EXECUTE FUNCTION motiondb_notify_other();
+CREATE TRIGGER notify AFTER INSERT OR UPDATE OR DELETE ON token
+  FOR EACH STATEMENT EXECUTE FUNCTION motiondb_notify_other();
+)sql";
+
+constexpr const char* kPostgresMigrations[] = {kPostgresFirst, kNotifications};
 
 }  // namespace
 

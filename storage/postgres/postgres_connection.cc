@@ -13,7 +13,8 @@
 namespace motiondb::storage {
 namespace {
 
-constexpr int kMaxAttempts = 8;  // of a transaction
+constexpr int kMaxAttempts = 8;            // of a transaction
+constexpr int kMinServerVersion = 150000;  // the version that the tests use
 
 // Returns whether an error ended the session: one of libpq itself, or a fatal one of PostgreSQL.
 // PQstatus can notice it only at the next call.
@@ -96,6 +97,11 @@ const std::string& PostgresConnection::Translated(std::string_view sql) {
   const auto [known, is_new] = translated_.try_emplace(std::string(sql));
   if (is_new) known->second = ToPostgresSql(sql);
   return known->second;
+}
+
+std::string PostgresConnection::place() const {
+  return fmt::format("postgresql://{}:{}/{}", PQhost(handle_.get()), PQport(handle_.get()),
+                     PQdb(handle_.get()));
 }
 
 std::unique_ptr<PreparedStatement> PostgresConnection::Prepare(std::string_view sql) {
@@ -211,6 +217,13 @@ absl::StatusOr<std::int64_t> PostgresConnection::RunInsert(Statement statement) 
   MOTIONDB_ASSIGN_OR_RETURN(const bool row, statement.Step());
   if (!row) return absl::InternalError("PostgreSQL: an INSERT returned no key");
   return statement.Integer(0);
+}
+
+absl::Status CheckServerVersion(const PostgresConnection& connection) {
+  if (connection.server_version() >= kMinServerVersion) return absl::OkStatus();
+  return core::FailedPrecondition("motiondb needs PostgreSQL {} or newer; the server has {}.{}",
+                                  kMinServerVersion / 10000, connection.server_version() / 10000,
+                                  connection.server_version() % 10000);
 }
 
 }  // namespace motiondb::storage

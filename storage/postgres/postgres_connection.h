@@ -64,6 +64,9 @@ class PostgresConnection final : public Connection {
 
   // As PQserverVersion: 150003 is 15.3.
   int server_version() const { return PQserverVersion(handle_.get()); }
+  // Host, port and database of the session, also if they come from variables or a service file:
+  // "postgresql://host:5432/name".
+  std::string place() const;
   // Process id of PostgreSQL's side of the session.
   int backend_pid() const { return PQbackendPID(handle_.get()); }
 
@@ -94,5 +97,8 @@ class PostgresConnection final : public Connection {
   std::unordered_map<std::string, std::string> translated_;  // SQL by the tables' SQL
   std::unordered_map<std::string, std::string> prepared_;    // names by SQL and types
 };
+
+// FAILED_PRECONDITION if the version of PostgreSQL is not supported.
+absl::Status CheckServerVersion(const PostgresConnection& connection);
 
 }  // namespace motiondb::storage

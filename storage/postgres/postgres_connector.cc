@@ -40,11 +40,11 @@ absl::StatusOr<SessionHandle> PostgresConnector::Connect() {
 
 absl::StatusOr<SessionHandle> PostgresConnector::TryToConnect() const {
   // Parameters before the URL are defaults that it may change; those after it are fixed.
-  static constexpr std::array<const char*, 6> kKeywords = {
-      "connect_timeout", "tcp_user_timeout", "fallback_application_name",
-      "dbname",          "client_encoding",  nullptr};
-  const std::array<const char*, 6> values = {"5",    "30000", "motiondb", address_.url.c_str(),
-                                             "UTF8", nullptr};
+  static constexpr std::array<const char*, 8> kKeywords = {
+      "connect_timeout",           "tcp_user_timeout", "keepalives_idle", "keepalives_interval",
+      "fallback_application_name", "dbname",           "client_encoding", nullptr};
+  const std::array<const char*, 8> values = {
+      "5", "30000", "30", "10", "motiondb", address_.url.c_str(), "UTF8", nullptr};
   SessionHandle session(PQconnectdbParams(kKeywords.data(), values.data(), /*expand_dbname=*/1));
   if (session == nullptr) return absl::ResourceExhaustedError("no memory for a connection");
   if (PQstatus(session.get()) != CONNECTION_OK) {

@@ -7,26 +7,17 @@
 #include "core/motion/error.h"
 #include "storage/postgres/postgres_connection.h"
 #include "storage/postgres/postgres_verifier.h"
+#include "storage/postgres/postgres_watch.h"
 #include "storage/postgres/text_search.h"
 #include "storage/sql/sql_motion_store_work.h"
 
 namespace motiondb::storage {
 namespace {
 
-// The version that the tests use.
-constexpr int kMinServerVersion = 150000;
-
 std::int64_t SystemTimeUs() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-absl::Status CheckServerVersion(const PostgresConnection& connection) {
-  if (connection.server_version() >= kMinServerVersion) return absl::OkStatus();
-  return core::FailedPrecondition("motiondb needs PostgreSQL {} or newer; the server has {}.{}",
-                                  kMinServerVersion / 10000, connection.server_version() / 10000,
-                                  connection.server_version() % 10000);
 }
 
 }  // namespace
@@ -44,6 +35,7 @@ absl::StatusOr<std::unique_ptr<PostgresMotionStore>> PostgresMotionStore::Open(
     MOTIONDB_RETURN_IF_ERROR(InTransaction(*first, Transaction::Kind::kRead, CheckPostgresVersion));
     versions.now = versions.before = std::ssize(PostgresMigrations());
   } else {
+    MOTIONDB_RETURN_IF_ERROR(CheckIsComplete(*first));
     MOTIONDB_ASSIGN_OR_RETURN(versions, MigratePostgres(*first));
     try {
       writer = std::make_unique<Writer>(std::move(first));
@@ -72,8 +64,14 @@ PostgresMotionStore::PostgresMotionStore(std::shared_ptr<PostgresConnector> conn
       read_only_(options.read_only) {}
 
 absl::Status PostgresMotionStore::CheckWrites() {
-  if (!write_health().is_suspect()) return absl::OkStatus();
-  return write_health().Try([this] { return TryWriting(); });
+  // On a full disk small writes can succeed: only a test write shows that there is space again.
+  const std::int64_t no_space = write_health().failures().no_space;
+  if (!write_health().is_suspect() && no_space == tried_no_space_) return absl::OkStatus();
+  return write_health().Try([this, no_space] {
+    absl::Status tried = TryWriting();
+    if (tried.ok()) tried_no_space_ = no_space;
+    return tried;
+  });
 }
 
 absl::Status PostgresMotionStore::TryWriting() {
@@ -82,7 +80,11 @@ absl::Status PostgresMotionStore::TryWriting() {
   return Write(
       Priority::kUrgent,
       [](Connection& connection) {
-        return connection.Query("UPDATE motiondb_schema SET version = version").Run();
+        // The table needs new space, about that of a small clip, as an addition does.
+        return connection.Execute(
+            "CREATE TEMP TABLE motiondb_probe ON COMMIT DROP AS "
+            "SELECT repeat('x', 1000) FROM generate_series(1, 256); "
+            "UPDATE motiondb_schema SET version = version");
       },
       [&] { return std::chrono::steady_clock::now() > latest; });
 }
@@ -91,6 +93,11 @@ absl::StatusOr<std::vector<TextMatch>> PostgresMotionStore::SearchClips(const st
                                                                         const std::string& query) {
   return Read(
       [&](Connection& connection) { return SearchPostgresTexts(connection, database, query); });
+}
+
+std::unique_ptr<StoreWatch> PostgresMotionStore::WatchChanges(OnStoreChange on_change) {
+  if (connector_->address().pooled) return nullptr;
+  return PostgresWatch::Start(connector_->address(), std::move(on_change));
 }
 
 absl::Status PostgresMotionStore::CheckIsWritable() const {

@@ -6,6 +6,7 @@
 // have an order, which is that of their revisions.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -39,10 +40,14 @@ class PostgresMotionStore final : public SqlMotionStore {
                                                                    PostgresOptions options = {});
   ~PostgresMotionStore() override { CloseConnections(); }
 
-  // Returns OK unless the last write failed and a test write fails too.
+  // Returns OK unless the last write, or a write for lack of space, failed and a test write of the
+  // size of a small clip fails too.
   absl::Status CheckWrites() override;
   absl::StatusOr<std::vector<TextMatch>> SearchClips(const std::string& database,
                                                      const std::string& query) override;
+
+  // Null with a pooler.
+  std::unique_ptr<StoreWatch> WatchChanges(OnStoreChange on_change) override;
 
   absl::Status CheckIsWritable() const override;
   std::vector<Corruption> FoundAtOpening() const override { return {}; }
@@ -77,6 +82,8 @@ class PostgresMotionStore final : public SqlMotionStore {
   const std::shared_ptr<PostgresConnector> connector_;
   const SchemaVersions versions_;
   const bool read_only_;
+  // Failures for lack of space after which a test write has succeeded.
+  std::atomic<std::int64_t> tried_no_space_ = 0;
   CopyFolder copies_;
 };
 

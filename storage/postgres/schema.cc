@@ -65,7 +65,19 @@ absl::StatusOr<SchemaVersions> MigratePostgres(Connection& connection, std::int6
                        [&](Connection&) { return Migrate(connection, latest); });
 }
 
+absl::Status CheckIsComplete(Connection& connection) {
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto is_marked,
+      connection.QueryInteger("SELECT count(*) FROM pg_catalog.pg_class WHERE "
+                              "oid = to_regclass('motiondb_migration')"));
+  if (is_marked == 0) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      "the store is not complete: a migration into it was interrupted or still runs; run the same "
+      "`motiondb migrate` again");
+}
+
 absl::Status CheckPostgresVersion(Connection& connection) {
+  MOTIONDB_RETURN_IF_ERROR(CheckIsComplete(connection));
   const std::int64_t latest = std::ssize(PostgresMigrations());
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t version, ReadVersion(connection));
   if (version == latest) return absl::OkStatus();

@@ -24,6 +24,9 @@ struct SchemaVersions {
 // `version`: for tests, the version to make; 0: the latest.
 absl::StatusOr<SchemaVersions> MigratePostgres(Connection& connection, std::int64_t version = 0);
 
+// FAILED_PRECONDITION if a migration into this database (storage/migration) is not complete.
+absl::Status CheckIsComplete(Connection& connection);
+
 // FAILED_PRECONDITION if the store does not have the current version. In the caller's transaction.
 absl::Status CheckPostgresVersion(Connection& connection);
 

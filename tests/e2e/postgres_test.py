@@ -4,113 +4,15 @@
     postgres_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
-import glob
-import os
-import pwd
 import signal
 import subprocess
-import sys
-import tempfile
 import time
-import unittest
 
-from figure import write_bvh
-from programs import MOTIONDBD, Server, main
-
-PASSWORD = "not-a-secret-of-anybody"
+from postgres_cluster import PASSWORD, WithCluster, main
+from programs import MOTIONDBD, Server
 
 
-def programs():
-    """The folder of initdb and postgres; Debian does not put them on the path. None if missing."""
-    found = sorted(glob.glob("/usr/lib/postgresql/*/bin/initdb"))
-    return os.path.dirname(found[-1]) if found else None
-
-
-class Cluster:
-    """PostgreSQL on a Unix socket. As root it runs as the user `postgres`: it refuses root."""
-
-    def __init__(self):
-        self.folder = tempfile.TemporaryDirectory()
-        if os.geteuid() == 0:
-            os.chown(self.folder.name, pwd.getpwnam("postgres").pw_uid, -1)
-        self.data = os.path.join(self.folder.name, "data")
-        with open(os.path.join(self.folder.name, "password"), "w", encoding="ascii") as file:
-            file.write(PASSWORD)
-        os.chmod(file.name, 0o644)
-        self.run("initdb", "-A", "scram-sha-256", "--pwfile", file.name, "-E", "UTF8", "--locale=C",
-                 "--no-sync", "-U", "motiondb", "-D", self.data).wait()
-        self.process = None
-        self.start()
-
-    def run(self, program, *arguments):
-        return subprocess.Popen([os.path.join(programs(), program), *arguments],
-                                user="postgres" if os.geteuid() == 0 else None,
-                                cwd=self.folder.name, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL)
-
-    def start(self):
-        self.process = self.run("postgres", "-D", self.data, "-k", self.folder.name,
-                                "-c", "listen_addresses=", "-c", "fsync=off")
-        for _ in range(600):
-            if subprocess.run([os.path.join(programs(), "pg_isready"), "-h", self.folder.name],
-                              stdout=subprocess.DEVNULL).returncode == 0:
-                return
-            time.sleep(0.1)
-        raise AssertionError("PostgreSQL does not start")
-
-    def kill(self):
-        self.process.send_signal(signal.SIGQUIT)
-        self.process.wait()
-
-    def url(self):
-        return f"postgresql://motiondb:{PASSWORD}@/postgres?host={self.folder.name}"
-
-    def remove(self):
-        self.kill()
-        self.folder.cleanup()
-
-
-class Postgres(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.cluster = Cluster()
-        self.servers = []
-        self.log = open(self.path("log"), "w+", encoding="utf-8")
-
-    def tearDown(self):
-        for server in self.servers:
-            if server.process.poll() is None:
-                server.stop(signal.SIGKILL)
-        self.cluster.remove()
-        self.log.seek(0)
-        log = self.log.read()
-        self.log.close()
-        self.folder.cleanup()
-        self.assertNotIn(PASSWORD, log)
-
-    def path(self, name):
-        return os.path.join(self.folder.name, name)
-
-    def serve(self, *options, store=None):
-        self.servers.append(Server(store or self.cluster.url(), "--log-level", "info", *options,
-                                   log=self.log))
-        return self.servers[-1]
-
-    def clip(self, seed, frames=48):
-        path = self.path(f"clip{seed}.bvh")
-        write_bvh(path, seed, frames)
-        return path
-
-    def fill(self, server):
-        server.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
-        server.ask("ingest", "d", *(self.clip(seed) for seed in range(4)), "--label", "moves")
-
-    def answers(self, server):
-        described = server.ask_one("describe", "d")
-        described.pop("build_seconds")
-        return [described, server.ask("list", "d"), server.ask("search", "d", "clip*"),
-                server.ask_one("recognize", "d", self.clip(7, 40)), server.ask("history", "d")]
-
+class Postgres(WithCluster):
     def test_answers_are_those_of_a_file_and_survive_a_restart(self):
         server = self.serve()
         self.fill(server)
@@ -165,15 +67,20 @@ class Postgres(unittest.TestCase):
         self.assertNotIn(PASSWORD, started.stdout + started.stderr + checked.stdout + checked.stderr)
         self.cluster.start()
 
-    def test_what_is_not_there_yet_says_so(self):
+    def test_a_backup_is_restored_into_a_file(self):
         server = self.serve()
-        refused = server.run("backup", self.path("copy.mdb"))
-        self.assertNotEqual(refused.returncode, 0)
-        self.assertIn("pg_dump or pg_basebackup", refused.stderr)
+        self.fill(server)
+        first = self.answers(server)
+        self.assertEqual(server.run("backup", self.path("copy.mdb")).returncode, 0)
+        self.assertEqual(server.run("export-database", "d", self.path("d.mdb")).returncode, 0)
+        imported = server.run("import-database", self.path("d.mdb"), "--as", "e")
+        self.assertEqual(imported.returncode, 0, imported.stderr)
+        self.assertEqual(len(server.ask("list", "e")), 4)
+        file = self.serve(store=self.path("motion.db"))
+        restored = file.run("restore", self.path("copy.mdb"))
+        self.assertEqual(restored.returncode, 0, restored.stderr)
+        self.assertEqual(self.answers(file), first)
 
 
 if __name__ == "__main__":
-    if programs() is None:
-        print("skipped: PostgreSQL is not installed (deploy/install_packages.sh test)")
-        sys.exit(1 if "MOTIONDB_REQUIRE_POSTGRES" in os.environ else 0)
     main()

@@ -13,6 +13,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -87,6 +88,10 @@ PostgresCluster::PostgresCluster(fs::path programs) : programs_(std::move(progra
 }
 
 PostgresCluster::~PostgresCluster() {
+  if (pooler_ != 0) {
+    kill(pooler_, SIGQUIT);
+    waitpid(pooler_, nullptr, 0);
+  }
   Kill();
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
@@ -132,6 +137,34 @@ void PostgresCluster::Kill() {
   kill(process_, SIGQUIT);  // as pg_ctl -m immediate: the children end too
   waitpid(process_, nullptr, 0);
   process_ = 0;
+}
+
+std::string PostgresCluster::PooledUrl(const std::string& database) {
+  constexpr char kPooler[] = "/usr/sbin/pgbouncer";
+  const std::string parameters = "&port=6432&pooled=1";
+  if (!fs::exists(kPooler)) {
+    WARN("skipped: pgbouncer is not installed (deploy/install_packages.sh test)");
+    REQUIRE(std::getenv("MOTIONDB_REQUIRE_POSTGRES") == nullptr);
+    return "";
+  }
+  if (pooler_ == 0) {
+    const fs::path settings = folder_ / "pgbouncer.ini";
+    std::ofstream(settings) << "[databases]\n* = user=" << kUser << " host=" << folder_.string()
+                            << "\n[pgbouncer]\npool_mode = transaction\nauth_type = any\n"
+                               "listen_port = 6432\nunix_socket_dir = "
+                            << folder_.string() << "\n";
+    fs::permissions(settings,
+                    fs::perms::owner_all | fs::perms::group_read | fs::perms::others_read);
+    pooler_ = Run(kPooler, settings.string());
+    const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    const std::string url = Url("postgres", "&port=6432");
+    while (PQping(url.c_str()) != PQPING_OK) {
+      INFO(TextOf(folder_ / "log"));
+      REQUIRE(std::chrono::steady_clock::now() < latest);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+  return Url(database, parameters);
 }
 
 std::string PostgresCluster::Url(const std::string& database, const std::string& parameters) const {

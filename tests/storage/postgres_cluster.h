@@ -28,18 +28,23 @@ class PostgresCluster {
   // Run on the database; return the first column of the first row, empty if there is none.
   std::string Sql(const std::string& database, const std::string& script) const;
 
+  // Starts pgbouncer with pool_mode=transaction at the first call. Returns the URL of a database
+  // through it; empty, with a warning of the test, if pgbouncer is not installed.
+  std::string PooledUrl(const std::string& database);
+
   // Ends PostgreSQL at once, as in a crash. Start begins it again, with the same data.
   void Kill();
   void Start();
 
  private:
   explicit PostgresCluster(std::filesystem::path programs);
-  // Runs a program as the cluster's user; returns its process id.
+  // Runs a program (its name, or an absolute path) as the cluster's user; returns its process id.
   pid_t Run(const std::string& program, const std::string& arguments) const;
 
   const std::filesystem::path programs_;
   std::filesystem::path folder_;
   pid_t process_ = 0;  // of PostgreSQL; 0: it does not run
+  pid_t pooler_ = 0;   // of pgbouncer
 };
 
 // A database of the cluster, which the destructor drops.
@@ -53,6 +58,7 @@ class PostgresDatabase {
   std::string Url(const std::string& parameters = "") const {
     return cluster_.Url(name_, parameters);
   }
+  std::string PooledUrl() const { return cluster_.PooledUrl(name_); }
   std::string Sql(const std::string& script) const { return cluster_.Sql(name_, script); }
 
  private:

@@ -6,7 +6,10 @@
 #include <set>
 #include <thread>
 
+#include "storage/postgres/postgres_connection.h"
 #include "storage/postgres/postgres_motion_store.h"
+#include "storage/sql/database_table.h"
+#include "storage/sql/transaction.h"
 #include "tests/storage/motion_store_conformance.h"
 #include "tests/storage/postgres_cluster.h"
 #include "tests/storage/require_ok.h"
@@ -30,6 +33,19 @@ class OnPostgres final : public StoreUnderTest {
       : database_(cluster),
         store_(
             Require(storage::PostgresMotionStore::Open(database_.Url(parameters), AtPutTime()))) {}
+  storage::MotionStore& Get() override { return *store_; }
+
+ private:
+  PostgresDatabase database_;
+  std::unique_ptr<storage::PostgresMotionStore> store_;
+};
+
+// Through pgbouncer, which gives each transaction another session.
+class ThroughPooler final : public StoreUnderTest {
+ public:
+  explicit ThroughPooler(PostgresCluster& cluster)
+      : database_(cluster),
+        store_(Require(storage::PostgresMotionStore::Open(database_.PooledUrl(), AtPutTime()))) {}
   storage::MotionStore& Get() override { return *store_; }
 
  private:
@@ -68,6 +84,13 @@ TEST_CASE("PostgresMotionStore: conforms without prepared statements",
   TestMotionStore([&] { return std::make_unique<OnPostgres>(*cluster, "&pooled=1"); });
 }
 
+TEST_CASE("PostgresMotionStore: conforms through pgbouncer in transaction mode",
+          "[storage][postgres][conformance][pooler]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr || cluster->PooledUrl("postgres").empty()) return;
+  TestMotionStore([&] { return std::make_unique<ThroughPooler>(*cluster); });
+}
+
 TEST_CASE("PostgresMotionStore: conforms if two servers take turns",
           "[storage][postgres][conformance]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
@@ -89,7 +112,7 @@ TEST_CASE("PostgresMotionStore: servers that open an empty database together mak
     }
   }
   for (const absl::Status& status : opened) REQUIRE_OK(status);
-  REQUIRE(database.Sql("SELECT count(*) || ' ' || min(version) FROM motiondb_schema") == "1 1");
+  REQUIRE(database.Sql("SELECT count(*) || ' ' || min(version) FROM motiondb_schema") == "1 2");
 }
 
 TEST_CASE("PostgresMotionStore: refuses a newer store and a database that it cannot use",
@@ -111,6 +134,33 @@ TEST_CASE("PostgresMotionStore: refuses a newer store and a database that it can
     REQUIRE_ERROR(storage::PostgresMotionStore::Open(database.Url(), {.read_only = read_only}),
                   StatusCode::kFailedPrecondition, "version 99, from a newer motiondb");
   }
+}
+
+TEST_CASE("PostgresMotionStore: upgrades a store of version 1 while an old server runs",
+          "[storage][postgres]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr) return;
+  const PostgresDatabase database(*cluster);
+  auto connector = std::make_shared<storage::PostgresConnector>(
+      Require(storage::ParsePostgresUrl(database.Url())));
+  const auto old_server = Require(storage::PostgresConnection::Open(connector));
+  REQUIRE(Require(storage::MigratePostgres(*old_server, 1)).now == 1);
+  const auto add = [&](const char* name) {
+    return storage::InTransaction(
+        *old_server, storage::Transaction::Kind::kWrite, [&](storage::Connection& connection) {
+          return storage::InsertDatabase(connection, SampleDatabase(name));
+        });
+  };
+  REQUIRE_OK(add("before"));
+  const auto store = Require(storage::PostgresMotionStore::Open(database.Url()));
+  REQUIRE(store->versions().before == 1);
+  REQUIRE(store->versions().now == 2);
+  REQUIRE_OK(add("after"));
+  REQUIRE(Require(store->ListDatabases({})).size() == 2);
+  REQUIRE(Findings(*store) == "");
+  // It cannot start again.
+  REQUIRE_ERROR(storage::MigratePostgres(*old_server, 1), StatusCode::kFailedPrecondition,
+                "version 2, from a newer motiondb; this one supports versions up to 1");
 }
 
 TEST_CASE("PostgresMotionStore: read-only refuses changes", "[storage][postgres]") {

@@ -22,7 +22,9 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,7 @@
 #include "server/engine/memory_reserve.h"
 #include "server/listen/listen_on.h"
 #include "server/listen/listener.h"
+#include "server/migrate_command.h"
 #include "server/observability/health_server.h"
 #include "server/observability/log.h"
 #include "server/rpc/call_identity.h"
@@ -257,6 +260,9 @@ int CheckConfig(const SettingsReader& reader) {
 
 int Run(int argc, const char* const* argv) {
   SetUpProcess();
+  const std::span<const char* const> arguments(argv + 1, static_cast<std::size_t>(argc - 1));
+  if (!arguments.empty() && std::string_view(arguments[0]) == "migrate")
+    return RunMigrate(arguments);
   SettingsReader reader;
   const std::vector<absl::Status> problems = reader.Read(argc, argv, ReadEnvironment());
   if (!problems.empty()) {

@@ -114,6 +114,7 @@ void AddIngestCommand(CommandLine line);
 void AddListCommand(CommandLine line);
 void AddMappingCommand(CommandLine line);
 void AddMarkerSetCommand(CommandLine line);
+void AddMigrateCommand(CommandLine line);
 void AddObserveCommand(CommandLine line);
 void AddOperationsCommand(CommandLine line);
 void AddPictureCommand(CommandLine line);

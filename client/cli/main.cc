@@ -110,6 +110,7 @@ void AddCommands(CommandLine line) {
   AddExportDatabaseCommand(line);
   AddImportDatabaseCommand(line);
   AddVerifyCommand(line);
+  AddMigrateCommand(line);
   AddHelpCommand(line);
   AddVersionCommand(line);
 }

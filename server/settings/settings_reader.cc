@@ -215,7 +215,9 @@ SettingsReader::SettingsReader()
   app_.footer(
       "Every setting is also a variable and a line of the configuration file: --rebuild-delay,\n"
       "MOTIONDBD_REBUILD_DELAY, rebuild-delay = 0.3. Flags override variables, and variables\n"
-      "override the file.");
+      "override the file.\n"
+      "\n"
+      "`motiondbd migrate FROM TO` copies a store: `motiondbd migrate --help`.");
 }
 
 std::vector<absl::Status> SettingsReader::CheckForStart() const {

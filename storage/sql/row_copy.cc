@@ -65,6 +65,7 @@ absl::StatusOr<bool> RowCopy::Step(Connection& target) {
     if (found) {
       MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t copied, CopyRow(target));
       bytes += copied;
+      copied_bytes_ += copied;
       ++rows;
       continue;
     }

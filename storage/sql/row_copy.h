@@ -45,6 +45,7 @@ class RowCopy {
   // above those of the copied ones. In the caller's write transaction.
   absl::Status Finish(Connection& target);
 
+  std::int64_t copied_bytes() const { return copied_bytes_; }  // of blobs
   // Key of the database in the target; 0 before the first step.
   std::int64_t target_key() const { return target_key_; }
 
@@ -66,6 +67,7 @@ class RowCopy {
   const Mode mode_;
   const std::vector<CopiedTable> tables_;
   std::int64_t target_key_ = 0;
+  std::int64_t copied_bytes_ = 0;
   std::size_t table_ = 0;
   std::vector<CopiedColumn> columns_;    // of the table
   std::string insert_;                   // SQL

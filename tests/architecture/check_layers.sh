@@ -28,6 +28,7 @@ declare -A may_include=(
   [storage/blob]="storage/blob storage/annotation_store.h storage/records.h core"
   [storage/sql]="storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_changes.h storage/store_maintenance.h storage/store_url.h storage/text_query.h core"
   [storage/sqlite]="storage/sqlite storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_changes.h storage/store_maintenance.h storage/store_url.h storage/text_query.h core"
+  [storage/migration]="storage/migration storage/postgres storage/sqlite storage/sql storage/store_url.h core"
   [storage/postgres]="storage/postgres storage/sqlite storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_changes.h storage/store_maintenance.h storage/store_url.h storage/text_query.h core"
   [server]="server import/launch.h storage core text motiondb/v1"
   [server/filter]="server/filter storage core text"

@@ -40,12 +40,24 @@ absl::StatusOr<std::vector<MotionBytes>> ReadClips(const std::string& list) {
 absl::StatusOr<std::unique_ptr<ServedMotion>> ServedMotion::Start() {
   std::unique_ptr<ServedMotion> served(new ServedMotion);
   MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(served->File("store.db")));
+  MOTIONDB_RETURN_IF_ERROR(served->Serve(std::move(store)));
+  return served;
+}
+
+absl::StatusOr<std::unique_ptr<ServedMotion>> ServedMotion::StartWith(
+    std::unique_ptr<storage::MotionStore> store) {
+  std::unique_ptr<ServedMotion> served(new ServedMotion);
+  MOTIONDB_RETURN_IF_ERROR(served->Serve(std::move(store)));
+  return served;
+}
+
+absl::Status ServedMotion::Serve(std::unique_ptr<storage::MotionStore> store) {
   server::ServerOptions options;
   options.listen = "127.0.0.1:0";
-  MOTIONDB_ASSIGN_OR_RETURN(served->server_, server::Server::Start(std::move(store), options));
-  MOTIONDB_ASSIGN_OR_RETURN(auto client, client::Client::Connect({.server = served->address()}));
-  served->client_ = std::move(client);
-  return served;
+  MOTIONDB_ASSIGN_OR_RETURN(server_, server::Server::Start(std::move(store), options));
+  MOTIONDB_ASSIGN_OR_RETURN(auto client, client::Client::Connect({.server = address()}));
+  client_ = std::move(client);
+  return absl::OkStatus();
 }
 
 absl::Status ServedMotion::Create(const std::string& database) {
@@ -101,7 +113,7 @@ absl::StatusOr<v1::MarkerObservation> ServedMotion::Represent(const std::string&
   }
   v1::MarkerObservation markers;
   markers.set_frame_rate_hz(frame_rate_hz);
-  markers.set_leg_length_m(all.leg_length_m());
+  if (all.has_leg_length_m()) markers.set_leg_length_m(all.leg_length_m());
   for (int f = 0; f < all.frame_count(); f += step) {
     markers.mutable_positions()->append(Cut(all, f, 1).positions());
     markers.set_frame_count(markers.frame_count() + 1);
@@ -113,7 +125,7 @@ v1::MarkerObservation Cut(const v1::MarkerObservation& markers, int first, int c
   const std::size_t width = markers.positions().size() / markers.frame_count();
   v1::MarkerObservation cut;
   cut.set_frame_rate_hz(markers.frame_rate_hz());
-  cut.set_leg_length_m(markers.leg_length_m());
+  if (markers.has_leg_length_m()) cut.set_leg_length_m(markers.leg_length_m());
   cut.set_frame_count(count);
   cut.set_positions(markers.positions().substr(first * width, count * width));
   return cut;

@@ -32,6 +32,9 @@ class ServedMotion {
  public:
   // Starts a server with default options and a store in a temporary directory.
   static absl::StatusOr<std::unique_ptr<ServedMotion>> Start();
+  // The same, with this store.
+  static absl::StatusOr<std::unique_ptr<ServedMotion>> StartWith(
+      std::unique_ptr<storage::MotionStore> store);
 
   const std::string& address() const { return server_->address(); }
   // Returns the path of a file in the store's directory.
@@ -54,6 +57,7 @@ class ServedMotion {
 
  private:
   ServedMotion() = default;
+  absl::Status Serve(std::unique_ptr<storage::MotionStore> store);
 
   TemporaryDirectory directory_;
   std::unique_ptr<server::Server> server_;

@@ -28,9 +28,7 @@ class Cluster:
 
     def __init__(self, *settings):
         self.settings = [word for setting in settings for word in ("-c", setting)]
-        self.folder = tempfile.TemporaryDirectory()
-        self.give(self.folder.name)
-        self.data = os.path.join(self.folder.name, "data")
+        self.make_folder()
         with open(os.path.join(self.folder.name, "password"), "w", encoding="ascii") as file:
             file.write(PASSWORD)
         os.chmod(file.name, 0o644)
@@ -38,6 +36,11 @@ class Cluster:
                  "--no-sync", "-U", "motiondb", "-D", self.data).wait()
         self.process = None
         self.start()
+
+    def make_folder(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.give(self.folder.name)
+        self.data = os.path.join(self.folder.name, "data")
 
     @staticmethod
     def give(path):

@@ -79,7 +79,7 @@ struct PlanProblem {
 struct PlanControl {
   Cancelled cancelled;                // stop without a result
   std::function<bool()> time_up;      // end the search, return the best so far
-  std::function<void()> search_over;  // called once, when the search ends, for timing
+  std::function<void()> search_over;  // called once, when the first search ends, for timing
 };
 
 enum class PlanOutcome {
@@ -164,7 +164,8 @@ absl::Status CheckObstacles(const Obstacles& obstacles);
 // Searches for stored motion from the start to the goal and synthesises one motion from it:
 // segments blended at joins, the end corrected by at most 5 % of the length, standing feet kept in
 // place, joint angles on the skeleton, slowed for its limits. The outcome is judged on the returned
-// motion. `scheme`, of the model's marker set, maps the skeleton.
+// motion. If the body ends beside the goal, up to five more searches look for other paths.
+// `scheme`, of the model's marker set, maps the skeleton.
 //
 // Deterministic unless time is up. INVALID_ARGUMENT naming the field of the problem that is out of
 // range, unknown or does not fit; NOT_FOUND for an unknown clip; CANCELLED.

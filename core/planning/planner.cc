@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -9,6 +9,7 @@
 #include "core/motion/error.h"
 #include "core/planning/body.h"
 #include "core/planning/extrapolation.h"
+#include "core/planning/goal.h"
 #include "core/planning/plan.h"
 #include "core/planning/random_sampling.h"
 #include "core/planning/root_correction.h"
@@ -20,8 +21,8 @@ namespace {
 
 // As in the paper: layer 13 of 16.
 constexpr double kCoarseShare = 0.8;
-constexpr double kAimMargin = 0.02;  // m of extra clearance at the end
-constexpr int kMaxAttempts = 3;      // to reach the goal on the given body
+constexpr int kMaxAttempts = 3;            // to reach the goal on the given body, with one path
+constexpr std::uint32_t kMaxSearches = 6;  // for a path on which the body reaches the goal
 
 class Planner {
  public:
@@ -35,11 +36,11 @@ class Planner {
         origins_(std::move(origins)),
         body_(std::move(body)),
         floor_(model, body_.leg_length_m(), problem.playable.mask.get()),
-        aim_(Aim(problem)) {}
+        aim_(AimFor(problem)) {}
 
   absl::StatusOr<PlanAnswer> Plan() {
     answer_.leg_length_m = body_.leg_length_m();
-    if (std::string reason = WhyUnreachable(); !reason.empty()) {
+    if (std::string reason = WhyUnreachable(problem_, floor_); !reason.empty()) {
       if (control_.search_over) control_.search_over();
       answer_.effort.complete = true;
       answer_.missing = std::move(reason);
@@ -48,67 +49,14 @@ class Planner {
     MOTIONDB_RETURN_IF_ERROR(problem_.method == PlanMethod::kSegmentSearch ? PlanBySegments()
                                                                            : PlanBySampling());
     SetOutcome();
+    MOTIONDB_RETURN_IF_ERROR(Measure());
     return std::move(answer_);
   }
 
  private:
-  // Returns a reason why no search can succeed; empty if there is none.
-  std::string WhyUnreachable() const {
-    const FloorPose& goal = problem_.goal;
-    const double clearance = problem_.obstacles.clearance_m;
-    const auto too_near = [&](std::string_view what, double distance) {
-      return distance < 0 ? fmt::format("the {} is inside an obstacle", what)
-                          : fmt::format("the {} is {:.3g} m from an obstacle, expected {:.3g}",
-                                        what, distance, clearance);
-    };
-    const double goal_distance = Distance(problem_.obstacles, {goal.x, goal.y});
-    if (goal_distance + problem_.position_tolerance_m < clearance) {
-      return too_near("goal", goal_distance);
-    }
-    const double start_distance = Distance(problem_.obstacles, {0, 0});
-    if (start_distance < clearance) return too_near("start", start_distance);
-    const double reach = floor_.top_speed_m_s() * problem_.max_duration_seconds;
-    const double distance_m = std::hypot(goal.x, goal.y);
-    if (distance_m - problem_.position_tolerance_m > reach) {
-      return fmt::format(
-          "the goal is {:.2f} m away, the fastest stored motion covers {:.2f} m in {:.3g} s",
-          distance_m, reach, problem_.max_duration_seconds);
-    }
-    const double turn = std::abs(WrapAngle(goal.heading));
-    const double max_turn = floor_.top_turn_rad_s() * problem_.max_duration_seconds;
-    if (turn - problem_.heading_tolerance_rad > max_turn) {
-      return fmt::format(
-          "the goal's heading differs by {:.2f} rad, the fastest stored motion turns {:.2f} rad in "
-          "{:.3g} s",
-          turn, max_turn, problem_.max_duration_seconds);
-    }
-    return {};
-  }
-
-  // Returns the goal, or, if it is too near an obstacle, the nearest clear position within its
-  // tolerance.
-  static FloorPose Aim(const PlanProblem& problem) {
-    const auto is_clear = [&](const FloorPose& pose) {
-      return Distance(problem.obstacles, {pose.x, pose.y}) >=
-             problem.obstacles.clearance_m + kAimMargin;
-    };
-    constexpr int kRings = 8;
-    constexpr int kBearings = 32;
-    for (int ring = 0; ring <= kRings; ++ring) {
-      const double away = problem.position_tolerance_m * ring / (kRings + 1);
-      for (int i = 0; i < kBearings; ++i) {
-        const double bearing = 2 * std::numbers::pi * i / kBearings;
-        const FloorPose aim{problem.goal.x + away * std::cos(bearing),
-                            problem.goal.y + away * std::sin(bearing), problem.goal.heading};
-        if (is_clear(aim)) return aim;
-      }
-    }
-    return problem.goal;
-  }
-
-  SearchSettings Settings() const {
+  SearchSettings Settings(const FloorPose& goal) const {
     const double moved = std::hypot(aim_.x - problem_.goal.x, aim_.y - problem_.goal.y);
-    return {.goal = aim_,
+    return {.goal = goal,
             .position_tolerance_m = std::max(0.0, problem_.position_tolerance_m - moved),
             .heading_tolerance_rad = problem_.heading_tolerance_rad,
             .max_duration_seconds = problem_.max_duration_seconds,
@@ -127,29 +75,52 @@ class Planner {
       return absl::OkStatus();
     }
     FoundPaths found;
-    MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
-        SegmentGraph(model_, floor_, layer_, problem_.playable, Similarity::kSimilar), field,
-        found));
+    std::optional<SegmentGraph> graph;
+    graph.emplace(model_, floor_, layer_, problem_.playable, Similarity::kSimilar);
+    MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(*graph, field, Settings(aim_), found));
     if (!found.reached && !time_up_) {
       // Nodes of a layer half way up contain more frames that are roughly similar.
-      MOTIONDB_RETURN_IF_ERROR(
-          SearchFromOrigins(SegmentGraph(model_, floor_, (layer_ + 1) / 2, problem_.playable,
-                                         Similarity::kRoughlySimilar),
-                            field, found));
+      graph.emplace(model_, floor_, (layer_ + 1) / 2, problem_.playable,
+                    Similarity::kRoughlySimilar);
+      MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(*graph, field, Settings(aim_), found));
     }
+    reached_ = found.reached;
     if (control_.search_over) control_.search_over();
-    for (const FoundPath& path : found.paths) {
-      // Always synthesise the first; skip others rather than miss a deadline.
-      if (!answer_.motions.empty() && TimeUp()) break;
-      MOTIONDB_RETURN_IF_ERROR(AddSegments(path.path));
+    FloorPose beside;
+    MOTIONDB_ASSIGN_OR_RETURN(answer_.motions, PlayPaths(found, beside));
+    return reached_ ? SearchForBody(*graph, beside) : absl::OkStatus();
+  }
+
+  // While the body ends further beside its paths than a correction covers, searches for other paths
+  // that end as far on the other side of the goal. `beside`: see PlayPaths.
+  absl::Status SearchForBody(SegmentGraph& graph, FloorPose beside) {
+    for (std::uint32_t search = 1; search < kMaxSearches && MissesGoal(); ++search) {
+      SearchSettings settings = Settings(Opposite(beside));
+      settings.seed += search;  // other costs lead to other paths
+      const FloorField field(problem_.obstacles, {0, 0}, {settings.goal.x, settings.goal.y});
+      FoundPaths found;
+      MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(graph, field, settings, found));
+      if (!found.reached) break;
+      MOTIONDB_ASSIGN_OR_RETURN(std::vector<PlannedMotion> motions, PlayPaths(found, beside));
+      if (SmallestLack(motions) < SmallestLack(answer_.motions)) {
+        answer_.motions = std::move(motions);
+      }
     }
     return absl::OkStatus();
   }
 
+  // Whether no motion is exact, but one on another path may be.
+  bool MissesGoal() const {
+    const auto hopeless = [](const PlannedMotion& motion) {
+      return motion.outcome == PlanOutcome::kExact || motion.cut;
+    };
+    return !TimeUp() && std::ranges::none_of(answer_.motions, hopeless);
+  }
+
   // Searches from each origin until one leads to the goal. Updates `best` if the goal is reached or
   // the path ends nearer.
-  absl::Status SearchFromOrigins(SegmentGraph graph, const FloorField& field, FoundPaths& best) {
-    const SearchSettings settings = Settings();
+  absl::Status SearchFromOrigins(SegmentGraph& graph, const FloorField& field,
+                                 const SearchSettings& settings, FoundPaths& best) {
     answer_.effort.complete = true;
     for (std::size_t i = 0; i < origins_.size() && !best.reached && !time_up_; ++i) {
       MOTIONDB_ASSIGN_OR_RETURN(FoundPaths found,
@@ -167,11 +138,32 @@ class Planner {
         origin_ = i;
       }
     }
-    reached_ = best.reached;
     return absl::OkStatus();
   }
 
-  absl::Status AddSegments(const SplicedPath& path) {
+  // Returns a motion for each path. `beside`: the expected end of the body relative to the end of
+  // its path; set to that of the first motion.
+  absl::StatusOr<std::vector<PlannedMotion>> PlayPaths(const FoundPaths& found, FloorPose& beside) {
+    std::vector<PlannedMotion> motions;
+    const FloorPose expected = beside;
+    for (const FoundPath& path : found.paths) {
+      // Always synthesise the first of all; skip others rather than miss a deadline.
+      if (!(motions.empty() && answer_.motions.empty()) && TimeUp()) break;
+      FloorPose of_path = expected;
+      MOTIONDB_ASSIGN_OR_RETURN(PlannedMotion motion, PlaySegments(path.path, of_path));
+      if (motions.empty()) beside = of_path;
+      motions.push_back(std::move(motion));
+    }
+    return motions;
+  }
+
+  // Returns the pose from which a body that ends `beside` it reaches the aim.
+  FloorPose Opposite(const FloorPose& beside) const {
+    return {aim_.x - beside.x, aim_.y - beside.y, aim_.heading - beside.heading};
+  }
+
+  // Returns the best motion of a few aims. `beside`: see PlayPaths.
+  absl::StatusOr<PlannedMotion> PlaySegments(const SplicedPath& path, FloorPose& beside) {
     PlannedMotion planned;
     planned.coarse_layer = layer_;
     for (int first = path.start; const Join& join : path.joins) {
@@ -184,33 +176,39 @@ class Planner {
       planned.coarse_nodes.push_back(model_.tree().node_of_frame(layer_, frame.main));
     }
     const std::vector<FloorPose> root = PlayedRoot(floor_, path);
-    FloorPose aim = aim_;
     std::optional<PlannedMotion> best;
     for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+      // A body of other proportions ends slightly beside its markers' end.
+      const CorrectedRoot corrected = CorrectRoot(root, Opposite(beside));
       PlannedMotion aimed = planned;
-      MOTIONDB_RETURN_IF_ERROR(Play(path, CorrectRoot(root, aim), aimed));
-      // A body of other proportions ends slightly beside its markers' end: shift the aim
-      // accordingly.
-      const Eigen::Index last = aimed.root.rows() - 1;
-      aim.x += aim_.x - aimed.root(last, 0);
-      aim.y += aim_.y - aimed.root(last, 1);
-      aim.heading += WrapAngle(aim_.heading - aimed.root(last, 2));
+      MOTIONDB_RETURN_IF_ERROR(Play(path, corrected, aimed));
+      const FloorPose& end = corrected.poses.back();
+      const auto reached = aimed.root.row(aimed.root.rows() - 1);
+      beside = {reached[0] - end.x, reached[1] - end.y, WrapAngle(reached[2] - end.heading)};
       if (!best || Lack(aimed) < Lack(*best)) best = std::move(aimed);
       // A motion that is cut would need another path, not another aim.
       if (best->outcome == PlanOutcome::kExact || best->cut || TimeUp()) break;
+      const GoalError rest =
+          ErrorAfterCorrection(root.back(), corrected.length_m, Opposite(beside));
+      if (rest.position_m > problem_.position_tolerance_m ||
+          rest.heading_rad > problem_.heading_tolerance_rad) {
+        break;
+      }
     }
-    return Add(*std::move(best));
+    return *std::move(best);
   }
 
-  absl::Status Add(PlannedMotion motion) {
-    if (motion.joints && problem_.dynamics && problem_.dynamics->has_masses()) {
-      motion.forces =
-          MeasureForces(body_, *problem_.dynamics, *motion.joints, motion.markers, motion.contacts);
+  // Completes what is reported of each motion.
+  absl::Status Measure() {
+    for (PlannedMotion& motion : answer_.motions) {
+      if (motion.joints && problem_.dynamics && problem_.dynamics->has_masses()) {
+        motion.forces = MeasureForces(body_, *problem_.dynamics, *motion.joints, motion.markers,
+                                      motion.contacts);
+      }
+      MOTIONDB_RETURN_IF_ERROR(MeasureExtrapolation(model_, scheme_.set, problem_.playable.mask,
+                                                    body_.leg_length_m(), control_.cancelled,
+                                                    motion));
     }
-    MOTIONDB_RETURN_IF_ERROR(MeasureExtrapolation(model_, scheme_.set, problem_.playable.mask,
-                                                  body_.leg_length_m(), control_.cancelled,
-                                                  motion));
-    answer_.motions.push_back(std::move(motion));
     return absl::OkStatus();
   }
 
@@ -223,6 +221,12 @@ class Planner {
     return std::max(0.0, problem_.obstacles.clearance_m - clearance) +
            std::max(0.0, motion.quality.position_error_m - problem_.position_tolerance_m) +
            std::max(0.0, motion.quality.heading_error_rad - problem_.heading_tolerance_rad);
+  }
+
+  double SmallestLack(const std::vector<PlannedMotion>& motions) const {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const PlannedMotion& motion : motions) smallest = std::min(smallest, Lack(motion));
+    return smallest;
   }
 
   absl::Status Play(const SplicedPath& path, const CorrectedRoot& root, PlannedMotion& planned) {
@@ -245,7 +249,7 @@ class Planner {
   }
 
   absl::Status PlanBySampling() {
-    const SearchSettings settings = Settings();
+    const SearchSettings settings = Settings(aim_);
     MOTIONDB_ASSIGN_OR_RETURN(
         SampledPaths sampled,
         SampleWalks(model_, layer_, origins_.front().frame, problem_.playable, body_.leg_length_m(),
@@ -273,7 +277,8 @@ class Planner {
     planned.bottom_nodes = std::move(path.bottom_nodes);
     MOTIONDB_RETURN_IF_ERROR(
         RetargetToBody(scheme_, body_, problem_, motion, control_.cancelled, planned));
-    return Add(std::move(planned));
+    answer_.motions.push_back(std::move(planned));
+    return absl::OkStatus();
   }
 
   // Sorts the motions, best first, and sets the overall outcome.

@@ -228,7 +228,8 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
           : 0;
   return start + kSearch + model.frame_count() * kStoredFrame + frames * kFrameSynthesis +
          frames * 3 * 8 * dofs +  // path through the poses, its steps and its samples
-         frames * (1 + problem.alternative_count) * (24 + 8 * dofs + 12 * MarkerCount(model));
+         // motions of two searches
+         2 * frames * (1 + problem.alternative_count) * (24 + 8 * dofs + 12 * MarkerCount(model));
 }
 
 std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files) {

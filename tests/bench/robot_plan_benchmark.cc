@@ -115,7 +115,7 @@ void AddForces(const Robot& robot, const core::RobotForces& forces, Tally& tally
 }
 
 void Plan(const core::Model& model, const Robot& robot, const core::PlanProblem& problem,
-          double checked_acceleration, Tally& tally) {
+          double checked_acceleration, bool show_missing, Tally& tally) {
   const auto begin = std::chrono::steady_clock::now();
   const auto answer = core::PlanMotion(model, core::StandardScheme(), problem);
   tally.planning_ms.push_back(
@@ -125,6 +125,10 @@ void Plan(const core::Model& model, const Robot& robot, const core::PlanProblem&
     return;
   }
   tally.exact += answer->outcome == core::PlanOutcome::kExact;
+  if (show_missing && !answer->missing.empty()) {
+    fmt::print("goal {:.2f},{:.2f},{:.2f}: {}\n", problem.goal.x, problem.goal.y,
+               problem.goal.heading, answer->missing);
+  }
   if (answer->motions.empty()) return;
   const core::PlannedMotion& motion = answer->motions.front();
   if (motion.forces) AddForces(robot, *motion.forces, tally);
@@ -202,6 +206,7 @@ struct Options {
   double max_acceleration = 50;
   double frame_rate_hz = 60;  // of plans within limits
   std::string robot;          // empty: all
+  bool show_missing = false;
 };
 
 int Run(const Options& options) {
@@ -230,12 +235,12 @@ int Run(const Options& options) {
     Tally accelerations;
     for (const core::FloorPose& goal : goals) {
       core::PlanProblem problem{.goal = goal, .skeleton = robot.skeleton, .flat_soles = true};
-      Plan(model, robot, problem, max_acceleration, recorded);
+      Plan(model, robot, problem, max_acceleration, options.show_missing, recorded);
       problem.dynamics = robot.dynamics;
       problem.frame_rate_hz = options.frame_rate_hz;
-      Plan(model, robot, problem, max_acceleration, speeds);
+      Plan(model, robot, problem, max_acceleration, options.show_missing, speeds);
       problem.max_joint_acceleration = max_acceleration;
-      Plan(model, robot, problem, max_acceleration, accelerations);
+      Plan(model, robot, problem, max_acceleration, options.show_missing, accelerations);
     }
     PrintRow("recorded", robot, recorded, goal_count, recorded);
     PrintRow("speeds", robot, speeds, goal_count, recorded);
@@ -266,6 +271,7 @@ int main(int argc, char** argv) {
   app.add_option("--frame-rate", options.frame_rate_hz, "Of plans within limits, Hz")
       ->capture_default_str();
   app.add_option("--robot", options.robot, "Only this robot");
+  app.add_flag("--show-missing", options.show_missing, "Print why goals are not EXACT");
   CLI11_PARSE(app, argc, argv);
   if (!std::filesystem::exists(motiondb::tests::DataDir() / "robots")) {
     std::printf("skipped: no robots in %s\n", motiondb::tests::DataDir().string().c_str());

@@ -5,6 +5,7 @@
 
 #include "core/kinematics/marker_kinematics.h"
 #include "core/planning/plan.h"
+#include "core/planning/root_correction.h"
 #include "tests/core/planning/flat_footed_robot.h"
 #include "tests/core/planning/walking_database.h"
 
@@ -98,6 +99,30 @@ TEST_CASE("Plan: a robot arrives within its joint limits, with its feet on the f
   CHECK(markers->positions_m == motion.markers.positions_m);
   CHECK(motion.quality.motion.floor_penetration_cm < 1.5);
   CHECK(motion.quality.motion.foot_slide_cm_per_s < 8);
+}
+
+// Its pelvis hardly turns against the feet, so that it ends beside the heading of its markers by
+// more than a correction covers.
+TEST_CASE("Plan: a body that ends beside its path arrives on another path", "[planning]") {
+  PlanProblem problem;
+  problem.start.clip = ClipMoment{"straight", 0.2};
+  problem.skeleton = tests::FlatFootedRobot(0.02);
+  problem.flat_soles = true;
+  int exact = 0;
+  for (const double distance : {0.8, 1.1, 1.5}) {
+    for (const double bearing : {-0.6, -0.3, 0.0, 0.3, 0.6}) {
+      for (const double turn : {-0.3, 0.3}) {
+        problem.goal = {distance * std::cos(bearing), distance * std::sin(bearing), bearing + turn};
+        const auto answer = PlanMotion(WalkingDatabase(), tests::RobotScheme(), problem);
+        REQUIRE(answer.ok());
+        REQUIRE(answer->motions.size() == 1);
+        const PlanQuality& quality = answer->motions.front().quality;
+        CHECK(quality.correction_m <= kMaxCorrection * quality.length_m * 1.05);
+        exact += answer->outcome == PlanOutcome::kExact;
+      }
+    }
+  }
+  CHECK(exact >= 27);  // of 30; with one search: 23
 }
 
 TEST_CASE("Plan: a skeleton without the scheme's markers is refused", "[planning]") {

@@ -14,7 +14,8 @@ namespace motiondb::tests {
 inline constexpr double kRobotLeg_m = 0.5;     // thigh plus shin
 inline constexpr double kRobotAnkle_m = 0.04;  // height of the ankles above the soles
 
-inline std::shared_ptr<const core::Skeleton> FlatFootedRobot() {
+// `hip_turn`: limit (rad) of each leg's turn to the left and right.
+inline std::shared_ptr<const core::Skeleton> FlatFootedRobot(double hip_turn = 0.8) {
   using Eigen::Vector3d;
   const auto turn = [](const Vector3d& axis, double lower, double upper) {
     return core::Dof{core::Dof::Kind::kRotation, axis, lower, upper};
@@ -38,8 +39,8 @@ inline std::shared_ptr<const core::Skeleton> FlatFootedRobot() {
       return static_cast<int>(joints.size()) - 1;
     };
     const int hip = add("_hip", 0, {0, 0.07 * side, 0},
-                        {turn(Vector3d::UnitZ(), -0.8, 0.8), turn(Vector3d::UnitX(), -0.5, 0.5),
-                         turn(Vector3d::UnitY(), -1.5, 0.8)});
+                        {turn(Vector3d::UnitZ(), -hip_turn, hip_turn),
+                         turn(Vector3d::UnitX(), -0.5, 0.5), turn(Vector3d::UnitY(), -1.5, 0.8)});
     const int knee = add("_knee", hip, {0, 0, -0.27}, {turn(Vector3d::UnitY(), 0, 2.2)});
     add("_ankle", knee, {0, 0, -0.23},
         {turn(Vector3d::UnitY(), -1, 1), turn(Vector3d::UnitX(), -0.4, 0.4)});

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Demo: installs missing packages, builds or installs motiondb, and runs deploy/demo/demo.sh: a
 # server that stores motion and answers every kind of query.
-#   deploy/quickstart.sh                      builds: about 9 minutes on two cores
-#   deploy/quickstart.sh --package FILE.deb   installs a package instead: under 1 minute
+#   deploy/quickstart.sh                      builds: 5 to 6 minutes on two cores
+#   deploy/quickstart.sh --package FILE.deb   installs a package instead: about 20 s
 set -euo pipefail
 usage() { sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; }
 package=

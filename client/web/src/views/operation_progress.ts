@@ -4,6 +4,7 @@ import { OperationState, type Operation } from '../api/messages';
 import { element } from '../dom/element';
 import { percent } from '../dom/format';
 import { Notice } from '../dom/notice';
+import { pause } from '../watch/pause';
 
 const kWaitMilliseconds = 700;
 
@@ -64,7 +65,7 @@ export class OperationProgress {
           this.notice.error(error);
           return;
         }
-        await new Promise((resolve) => setTimeout(resolve, kWaitMilliseconds));
+        await pause(kWaitMilliseconds, this.signal);
       }
     }
   }

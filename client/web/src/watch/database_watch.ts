@@ -3,6 +3,7 @@ import type { Api } from '../api/api';
 import { hasCode } from '../api/errors';
 import type { WatchDatabaseResponse } from '../api/messages';
 import { databaseName } from '../api/resource_names';
+import { pause } from './pause';
 
 const kRetryMilliseconds = 2000;
 
@@ -49,7 +50,7 @@ export async function watchDatabase(
         changed([]);
       }
     }
-    await new Promise((resolve) => setTimeout(resolve, kRetryMilliseconds));
+    await pause(kRetryMilliseconds, signal);
   }
 }
 

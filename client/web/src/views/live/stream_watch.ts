@@ -8,6 +8,7 @@ import { element, labelled, replaceChildren } from '../../dom/element';
 import { count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { ViewContext } from '../../shell/view';
+import { pause } from '../../watch/pause';
 import { LabelHistory, momentOf } from './label_history';
 import { LabelRibbon } from './label_ribbon';
 import { LiveStage } from './live_stage';
@@ -92,7 +93,7 @@ export class StreamWatch {
         this.notice.error(error);
         this.context.connection.failed(error);
         if (!isConnectionLost(error)) return;
-        await new Promise((resolve) => setTimeout(resolve, kRetryMilliseconds));
+        await pause(kRetryMilliseconds, signal);
       }
     }
   }

@@ -7,6 +7,7 @@
 // names them), UNAVAILABLE or RESOURCE_EXHAUSTED (disk).
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -53,6 +54,9 @@ class MotionStore {
  public:
   virtual ~MotionStore() = default;
 
+  // Returns whether several servers may use the store at the same time.
+  virtual bool is_shared() const { return false; }
+
   // Databases, listed in order of name.
   virtual absl::Status CreateDatabase(const DatabaseRecord& record,
                                       const WriteOptions& terms = {}) = 0;
@@ -66,6 +70,8 @@ class MotionStore {
   // can be reused. PurgeDeletedDatabases frees its disk space.
   virtual absl::Status DeleteDatabase(const std::string& database,
                                       const WriteOptions& terms = {}) = 0;
+  // Returns the states of all databases, in order of name. One cheap query.
+  virtual absl::StatusOr<std::vector<DatabaseState>> ListDatabaseStates() = 0;
   // Frees the content of deleted databases in many short transactions; other writes run between
   // them. Only one call at a time; other functions may run concurrently. CANCELLED if `cancelled`
   // returns true; the next call continues. DATA_LOSS if some content cannot be read and stays; the
@@ -124,19 +130,26 @@ class MotionStore {
   // record. It does not write the states: they are stored with the clips. A clip that was deleted
   // during the build stays in the model, so that frequent deletions do not block builds. NOT_FOUND
   // also if a clip of the model was never stored, or was deleted before the current model was
-  // stored.
+  // stored. `terms`: see ModelTerms.
   virtual absl::StatusOr<ModelRecord> PutModel(const std::string& database,
-                                               const core::Model& model) = 0;
+                                               const core::Model& model,
+                                               const ModelTerms& terms = {}) = 0;
   // Stores an extension of the current model (core::ExtendModel) as the current model, with the
   // next version. It writes only the names of the added clips: ReadModel repeats the extension.
   // FAILED_PRECONDITION if `model` does not extend the current model; NOT_FOUND also if an added
   // clip is no longer stored.
   virtual absl::StatusOr<ModelRecord> PutExtension(const std::string& database,
-                                                   const core::Model& model,
-                                                   double drift_fraction) = 0;
+                                                   const core::Model& model, double drift_fraction,
+                                                   const ModelTerms& terms = {}) = 0;
   // Returns the current model, read on the threads of `parallel`. NOT_FOUND if there is none.
   virtual absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                                 const core::ParallelFor& parallel) = 0;
+  // Returns the current model, made from `base`, the model of a version, by reading only the clips
+  // that were added to it. FAILED_PRECONDITION if the current model does not extend `base`.
+  virtual absl::StatusOr<core::Model> ReadExtension(const std::string& database,
+                                                    std::int32_t base_version,
+                                                    const core::Model& base,
+                                                    const core::ParallelFor& parallel) = 0;
   // Compares the current model with the stored clips. Without a model every clip is missing. A clip
   // that was replaced under the same id, or whose states were replaced, counts as removed and as
   // missing.
@@ -147,16 +160,33 @@ class MotionStore {
   virtual absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database,
                                                               int before, int limit) = 0;
   // Removes the current model, for example after the last clip was deleted. OK if there is none.
-  virtual absl::Status DropModel(const std::string& database) = 0;
+  virtual absl::Status DropModel(const std::string& database, const ModelTerms& terms = {}) = 0;
   // Frees the states of deleted clips that the current model does not use. Do not call it during a
   // build: PutModel then returns NOT_FOUND for a model of a purged clip. DATA_LOSS if some states
   // cannot be read and stay; the rest is removed. CANCELLED if cancelled; the next call continues.
   virtual absl::Status PurgeDeletedClips(const std::string& database,
                                          const core::Cancelled& cancelled = {}) = 0;
 
+  // Build leases: of the servers that share a store, one at a time builds the models of a database.
+  // A lease ends when it is released, or `duration` after it was acquired or last renewed, by the
+  // clock of the store.
+  //
+  // Returns the fencing number of the lease, which is higher than those of all earlier leases of
+  // the database. A holder may acquire its own lease again. ABORTED, naming the holder, if another
+  // one has the lease.
+  virtual absl::StatusOr<std::int64_t> AcquireBuildLease(const std::string& database,
+                                                         const std::string& holder,
+                                                         std::chrono::milliseconds duration) = 0;
+  // Renews also a lease that has expired, if nobody has acquired the next one; otherwise ABORTED.
+  virtual absl::Status RenewBuildLease(const std::string& database, std::int64_t fence,
+                                       std::chrono::milliseconds duration) = 0;
+  // OK also if it is no longer the last lease.
+  virtual absl::Status ReleaseBuildLease(const std::string& database, std::int64_t fence) = 0;
+
   // Operations. PutOperation creates or replaces an operation of an existing database. Operations
   // are deleted with their database. The last 1,000 finished operations of a database are kept.
-  // CANCELLED, with nothing changed, if cancelled before the write began.
+  // CANCELLED, with nothing changed, if cancelled before the write began. ABORTED if the operation
+  // has ended in another state.
   virtual absl::Status PutOperation(const OperationRecord& record,
                                     const core::Cancelled& cancelled = {}) = 0;
   virtual absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) = 0;
@@ -165,6 +195,8 @@ class MotionStore {
   virtual absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
                                                                       const std::string& before,
                                                                       int limit) = 0;
+  // Returns the operations of all databases that have not ended, in order of creation.
+  virtual absl::StatusOr<std::vector<OperationRecord>> ListUnfinishedOperations() = 0;
 
   // Returns OK if the store accepts additions. RESOURCE_EXHAUSTED (out of disk space), UNAVAILABLE
   // (missing file or disk error), or the error of a write. If the last write failed or disk space

@@ -139,6 +139,24 @@ struct SkeletonRecord {
   core::Skeleton skeleton;
 };
 
+// What tells a server that another one has changed a database.
+struct DatabaseState {
+  std::string name;
+  std::int64_t id = 0;        // a database that is created again under its name has another one
+  std::int64_t revision = 0;  // of its content; see AnnotationStore
+  std::int64_t stamp = 0;     // differs after each change of the content or of the marker set
+};
+
+// The conditions for storing or dropping a model. ABORTED if one is not met: the caller computed it
+// from what another server has replaced meanwhile.
+struct ModelTerms {
+  // Version of the current model that it replaces; 0: there is none. Empty: any.
+  std::optional<std::int32_t> base_version;
+  // Fencing number of the caller's build lease (MotionStore::AcquireBuildLease), which must not be
+  // lower than that of the last lease; 0: the database must never have had a lease.
+  std::int64_t fence = 0;
+};
+
 // The statistics of a model; also kept for former models.
 struct ModelRecord {
   std::string database;

@@ -335,7 +335,23 @@ CREATE TRIGGER notify AFTER INSERT OR UPDATE OR DELETE ON token
   FOR EACH STATEMENT EXECUTE FUNCTION motiondb_notify_other();
 )sql";
 
-constexpr const char* kPostgresMigrations[] = {kPostgresFirst, kNotifications};
+// SQLite's version 12: the last lease to build the models of a database, and the index of the
+// operations that have not ended.
+constexpr char kPostgresBuildLeases[] = R"sql(
+CREATE TABLE build_lease (
+  database_key bigint PRIMARY KEY REFERENCES database ON DELETE CASCADE,
+  holder text COLLATE "C" NOT NULL,
+  fence bigint NOT NULL,
+  expire_time_us bigint NOT NULL,
+  row_crc bigint
+);
+CREATE TRIGGER row_crc BEFORE INSERT OR UPDATE ON build_lease
+  FOR EACH ROW EXECUTE FUNCTION motiondb_set_row_crc();
+CREATE INDEX unfinished_operation ON operation (sequence) WHERE state IN ('pending', 'running');
+)sql";
+
+constexpr const char* kPostgresMigrations[] = {kPostgresFirst, kNotifications,
+                                               kPostgresBuildLeases};
 
 }  // namespace
 

@@ -74,6 +74,11 @@ absl::Status PostgresMotionStore::CheckWrites() {
   });
 }
 
+absl::StatusOr<std::int64_t> PostgresMotionStore::LeaseTimeUs(Connection& connection) {
+  return connection.QueryInteger(
+      "SELECT (extract(epoch FROM clock_timestamp()) * 1000000)::bigint");
+}
+
 absl::Status PostgresMotionStore::TryWriting() {
   constexpr std::chrono::seconds kMaxWait{1};
   const auto latest = std::chrono::steady_clock::now() + kMaxWait;

@@ -40,6 +40,7 @@ class PostgresMotionStore final : public SqlMotionStore {
                                                                    PostgresOptions options = {});
   ~PostgresMotionStore() override { CloseConnections(); }
 
+  bool is_shared() const override { return true; }
   // Returns OK unless the last write, or a write for lack of space, failed and a test write of the
   // size of a small clip fails too.
   absl::Status CheckWrites() override;
@@ -75,6 +76,8 @@ class PostgresMotionStore final : public SqlMotionStore {
 
   absl::Status CheckMayWrite(Connection&, Added) override { return absl::OkStatus(); }
   bool checks_room() const override { return false; }
+  // By PostgreSQL's clock, which all servers share.
+  absl::StatusOr<std::int64_t> LeaseTimeUs(Connection& connection) override;
   absl::Status TryWriting();
   // Replaces the content of this store by the store of a checked backup.
   absl::Status ReplaceContent(Connection& backup, const core::Cancelled& cancelled);

@@ -56,6 +56,7 @@ constexpr std::array kTables = {
                  "sequence, id, database_key, state, progress, stage, model_version, error_code, "
                  "error_message, create_time_us, update_time_us, kind",
                  "id"},
+    CheckedTable{"build_lease", "database_key", "database_key, holder, fence, expire_time_us", ""},
     CheckedTable{"token", "sequence",
                  "sequence, id, role, database, description, salt, secret_hash, create_time_us, "
                  "expire_time_us, revoke_time_us",

@@ -74,6 +74,18 @@ absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connecti
   }
 }
 
+absl::StatusOr<std::vector<DatabaseState>> SelectDatabaseStates(Connection& connection) {
+  Statement row = connection.Query(
+      "SELECT name, database_key, revision, row_crc FROM database WHERE deleted = 0 ORDER BY name");
+  std::vector<DatabaseState> states;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return states;
+    // The checksum of the row: of all its columns.
+    states.push_back({row.Text(0), row.Integer(1), row.Integer(2), row.Integer(3)});
+  }
+}
+
 absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, name));
   // Frees the name. Names of existing databases contain no slash.

@@ -15,6 +15,8 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
 absl::StatusOr<DatabaseRecord> SelectDatabase(Connection& connection, const std::string& name);
 absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connection,
                                                             const Page& page);
+// See MotionStore::ListDatabaseStates.
+absl::StatusOr<std::vector<DatabaseState>> SelectDatabaseStates(Connection& connection);
 // Makes a database invisible and its name free; FreeDeletedDatabases removes its content.
 absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name);
 

@@ -153,6 +153,33 @@ absl::StatusOr<core::Model> SelectCurrentModel(std::span<Connection* const> conn
   return model;
 }
 
+absl::StatusOr<core::Model> SelectExtension(Connection& connection, const std::string& database,
+                                            std::int32_t base_version, const core::Model& base,
+                                            const core::ParallelFor& parallel) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  MOTIONDB_ASSIGN_OR_RETURN(const CurrentModel current,
+                            FindCurrentModel(connection, database, database_key));
+  Statement row = connection.Query(
+      "SELECT COALESCE(base_key, model_key), clip_count FROM model WHERE database_key = ? AND "
+      "version = ? AND staged = 0",
+      database_key, base_version);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  const auto base_clips = static_cast<std::int64_t>(base.clips().size());
+  if (!found || row.Integer(0) != current.built_key || row.Integer(1) != base_clips ||
+      base_clips > current.clip_count) {
+    return core::FailedPrecondition("model {} of database '{}' does not extend model {}",
+                                    current.version, database, base_version);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const auto keys, SelectModelClips(connection, current.built_key));
+  if (std::ssize(keys) != current.clip_count) {
+    return core::DataLoss("parts: expected {} clips, got {}", current.clip_count, keys.size());
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto inputs, ReadAddedClips(connection, std::span(keys).subspan(base.clips().size())));
+  if (inputs.empty()) return base;
+  return core::ExtendModel(base, std::move(inputs), parallel);
+}
+
 absl::StatusOr<ModelStaleness> SelectModelStaleness(Connection& connection,
                                                     const std::string& database) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));

@@ -34,6 +34,10 @@ absl::StatusOr<CurrentModel> FindCurrentModel(Connection& connection, const std:
 absl::StatusOr<core::Model> SelectCurrentModel(std::span<Connection* const> connections,
                                                const std::string& database,
                                                const core::ParallelFor& parallel);
+// See MotionStore::ReadExtension.
+absl::StatusOr<core::Model> SelectExtension(Connection& connection, const std::string& database,
+                                            std::int32_t base_version, const core::Model& base,
+                                            const core::ParallelFor& parallel);
 // See MotionStore::FindModelStaleness.
 absl::StatusOr<ModelStaleness> SelectModelStaleness(Connection& connection,
                                                     const std::string& database);

@@ -65,11 +65,32 @@ absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::strin
   return row.Integer(0);
 }
 
+// Reads the rows that remain.
+absl::StatusOr<std::vector<OperationRecord>> ToOperationRecords(Statement& row) {
+  std::vector<OperationRecord> records;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return records;
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToOperationRecord(row));
+  }
+}
+
+// ABORTED if the operation has ended in another state than `state`.
+absl::Status CheckHasNotEnded(Connection& connection, const std::string& id, OperationState state) {
+  Statement row = connection.Query("SELECT state FROM operation WHERE id = ?", id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto stored, FromText<OperationState>(row.Text(0)));
+  if (stored < OperationState::kSucceeded || stored == state) return absl::OkStatus();
+  return absl::AbortedError(fmt::format("operation '{}' has already ended: {}", id, row.Text(0)));
+}
+
 }  // namespace
 
 absl::Status UpsertOperation(Connection& connection, const OperationRecord& record) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
                             FindDatabase(connection, record.database));
+  MOTIONDB_RETURN_IF_ERROR(CheckHasNotEnded(connection, record.id, record.state));
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
@@ -111,12 +132,13 @@ absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connec
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
     row.Bind(database_key);
   }
-  std::vector<OperationRecord> records;
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (!found) return records;
-    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToOperationRecord(row));
-  }
+  return ToOperationRecords(row);
+}
+
+absl::StatusOr<std::vector<OperationRecord>> SelectUnfinishedOperations(Connection& connection) {
+  Statement row =
+      connection.Query(SelectOperations("state IN ('pending', 'running') ORDER BY sequence"));
+  return ToOperationRecords(row);
 }
 
 }  // namespace motiondb::storage

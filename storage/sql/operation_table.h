@@ -16,5 +16,7 @@ absl::StatusOr<OperationRecord> SelectOperation(Connection& connection, const st
 absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connection,
                                                               const std::string& database,
                                                               const std::string& before, int limit);
+// See MotionStore::ListUnfinishedOperations.
+absl::StatusOr<std::vector<OperationRecord>> SelectUnfinishedOperations(Connection& connection);
 
 }  // namespace motiondb::storage

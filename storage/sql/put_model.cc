@@ -10,6 +10,7 @@
 #include "storage/sql/clip_table.h"
 #include "storage/sql/database_table.h"
 #include "storage/sql/model_table.h"
+#include "storage/sql/model_terms.h"
 
 namespace motiondb::storage {
 namespace {
@@ -162,8 +163,9 @@ absl::StatusOr<std::int64_t> Retire(Connection& connection, std::int64_t databas
 // Stores one model in several transactions.
 class ModelWriter {
  public:
-  ModelWriter(const TransactionRunner& write, const std::string& database, const core::Model& model)
-      : write_(write), database_(database), model_(model) {}
+  ModelWriter(const TransactionRunner& write, const std::string& database, const core::Model& model,
+              const ModelTerms& terms)
+      : write_(write), database_(database), model_(model), terms_(terms) {}
 
   absl::StatusOr<ModelRecord> Run(std::int64_t create_time_us) {
     MOTIONDB_RETURN_IF_ERROR(Stage(create_time_us));
@@ -176,6 +178,7 @@ class ModelWriter {
   absl::Status Stage(std::int64_t create_time_us) {
     return write_([&](Connection& connection) -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(database_key_, FindDatabase(connection, database_));
+      MOTIONDB_RETURN_IF_ERROR(CheckModelTerms(connection, database_, database_key_, terms_));
       MOTIONDB_ASSIGN_OR_RETURN(const int version, StagedVersion(connection, database_key_));
       MOTIONDB_ASSIGN_OR_RETURN(model_key_, InsertRecord(connection, database_key_, version, model_,
                                                          create_time_us, Standing::kStaged));
@@ -236,6 +239,7 @@ class ModelWriter {
   absl::StatusOr<ModelRecord> Publish() {
     ModelRecord record;
     const absl::Status published = Write([&](Connection& connection) -> absl::Status {
+      MOTIONDB_RETURN_IF_ERROR(CheckModelTerms(connection, database_, database_key_, terms_));
       MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key_));
       MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key_).status());
       MOTIONDB_RETURN_IF_ERROR(
@@ -255,6 +259,7 @@ class ModelWriter {
   const TransactionRunner& write_;
   const std::string& database_;
   const core::Model& model_;
+  const ModelTerms& terms_;
   std::int64_t database_key_ = 0;
   std::int64_t model_key_ = 0;
   std::vector<std::pair<std::uint32_t, std::vector<std::byte>>> chunks_;
@@ -310,34 +315,39 @@ absl::Status FreeModel(const TransactionRunner& write, std::int64_t model_key) {
 
 absl::StatusOr<ModelRecord> PutModelInPieces(const TransactionRunner& write,
                                              const std::string& database, const core::Model& model,
-                                             std::int64_t create_time_us) {
-  const absl::Status freed = FreeUnneededModels(write, database);  // left by an earlier call
+                                             std::int64_t create_time_us, const ModelTerms& terms) {
+  const absl::Status freed =
+      FreeUnneededModels(write, database, terms.fence);  // left by an earlier call
   if (!freed.ok() && !absl::IsDataLoss(freed)) return freed;
-  auto record = ModelWriter(write, database, model).Run(create_time_us);
+  const TransactionRunner fenced = Fenced(write, database, terms.fence);
+  auto record = ModelWriter(fenced, database, model, terms).Run(create_time_us);
   // On an error the next call tries again.
-  FreeUnneededModels(write, database).IgnoreError();
+  FreeUnneededModels(write, database, terms.fence).IgnoreError();
   return record;
 }
 
-absl::Status FreeUnneededModels(const TransactionRunner& write, const std::string& database) {
+absl::Status FreeUnneededModels(const TransactionRunner& write, const std::string& database,
+                                std::int64_t fence) {
+  const TransactionRunner fenced = Fenced(write, database, fence);
   absl::Status data_loss;
   std::int64_t key = 0;
   while (true) {
-    const absl::Status looked = write([&](Connection& connection) -> absl::Status {
+    const absl::Status looked = fenced([&](Connection& connection) -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(const auto database_key, FindDatabase(connection, database));
       MOTIONDB_ASSIGN_OR_RETURN(key, FindUnneeded(connection, database_key, key));
       return absl::OkStatus();
     });
     if (!looked.ok()) return looked;
     if (key == 0) return data_loss;
-    data_loss.Update(FreeModel(write, key));
+    data_loss.Update(FreeModel(fenced, key));
   }
 }
 
 absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::string& database,
                                             const core::Model& model, double drift_fraction,
-                                            std::int64_t create_time_us) {
+                                            std::int64_t create_time_us, const ModelTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  MOTIONDB_RETURN_IF_ERROR(CheckModelTerms(connection, database, database_key, terms));
   const auto current = FindCurrentModel(connection, database, database_key);
   if (!current.ok() && !absl::IsNotFound(current.status())) return current.status();
   bool extends = current.ok();
@@ -370,8 +380,10 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
   return SelectModel(connection, database, version);
 }
 
-absl::Status RetireCurrentModel(Connection& connection, const std::string& database) {
+absl::Status RetireCurrentModel(Connection& connection, const std::string& database,
+                                const ModelTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  MOTIONDB_RETURN_IF_ERROR(CheckModelTerms(connection, database, database_key, terms));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t dropped, Retire(connection, database_key));
   return dropped == 0 ? absl::OkStatus() : NoteModelChange(connection, database_key, dropped);
 }

@@ -8,6 +8,7 @@
 #include "core/motion/error.h"
 #include "storage/sql/added_bytes.h"
 #include "storage/sql/audit_table.h"
+#include "storage/sql/build_lease_table.h"
 #include "storage/sql/clip_table.h"
 #include "storage/sql/database_table.h"
 #include "storage/sql/deleted_databases.h"
@@ -19,6 +20,13 @@
 #include "storage/sql/token_table.h"
 
 namespace motiondb::storage {
+namespace {
+
+std::int64_t ToMicroseconds(std::chrono::milliseconds duration) {
+  return std::chrono::microseconds(duration).count();
+}
+
+}  // namespace
 
 SqlMotionStore::SqlMotionStore(std::unique_ptr<Writer> writer, std::unique_ptr<ReaderPool> readers,
                                std::function<std::int64_t()> now_us)
@@ -56,6 +64,10 @@ absl::Status SqlMotionStore::DeleteDatabase(const std::string& database,
                                             const WriteOptions& terms) {
   return WriteWith(
       terms, [&](Connection& connection) { return MarkDatabaseDeleted(connection, database); });
+}
+
+absl::StatusOr<std::vector<DatabaseState>> SqlMotionStore::ListDatabaseStates() {
+  return Read([](Connection& connection) { return SelectDatabaseStates(connection); });
 }
 
 absl::Status SqlMotionStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
@@ -149,14 +161,15 @@ absl::StatusOr<std::vector<SkeletonRecord>> SqlMotionStore::ListSkeletons(
 }
 
 absl::StatusOr<ModelRecord> SqlMotionStore::PutModel(const std::string& database,
-                                                     const core::Model& model) {
+                                                     const core::Model& model,
+                                                     const ModelTerms& terms) {
   const MutexLock lock(models_mutex_);
   // Check the room for the whole model before the first transaction.
   Added added = checks_room() ? AddedBytes(model) : 0;
   const TransactionRunner write = [&](const auto& piece) {
     return Write(Priority::kBackground, piece, {}, std::exchange(added, Added(0)));
   };
-  auto record = PutModelInPieces(write, database, model, now_us_());
+  auto record = PutModelInPieces(write, database, model, now_us_(), terms);
   if (record.ok())
     PurgeDeletedClips(database, {}).IgnoreError();  // clips that only the former model used
   return record;
@@ -164,9 +177,10 @@ absl::StatusOr<ModelRecord> SqlMotionStore::PutModel(const std::string& database
 
 absl::StatusOr<ModelRecord> SqlMotionStore::PutExtension(const std::string& database,
                                                          const core::Model& model,
-                                                         double drift_fraction) {
+                                                         double drift_fraction,
+                                                         const ModelTerms& terms) {
   const auto insert = [&](Connection& connection) {
-    return InsertExtension(connection, database, model, drift_fraction, now_us_());
+    return InsertExtension(connection, database, model, drift_fraction, now_us_(), terms);
   };
   return Write(Priority::kOrdinary, insert, {}, Added(0));
 }
@@ -188,6 +202,15 @@ absl::StatusOr<core::Model> SqlMotionStore::ReadModel(const std::string& databas
   });
 }
 
+absl::StatusOr<core::Model> SqlMotionStore::ReadExtension(const std::string& database,
+                                                          std::int32_t base_version,
+                                                          const core::Model& base,
+                                                          const core::ParallelFor& parallel) {
+  return Read([&](Connection& connection) {
+    return SelectExtension(connection, database, base_version, base, parallel);
+  });
+}
+
 absl::StatusOr<ModelStaleness> SqlMotionStore::FindModelStaleness(const std::string& database) {
   return Read([&](Connection& connection) { return SelectModelStaleness(connection, database); });
 }
@@ -202,13 +225,13 @@ absl::StatusOr<std::vector<ModelRecord>> SqlMotionStore::ListModels(const std::s
       [&](Connection& connection) { return SelectModels(connection, database, before, limit); });
 }
 
-absl::Status SqlMotionStore::DropModel(const std::string& database) {
+absl::Status SqlMotionStore::DropModel(const std::string& database, const ModelTerms& terms) {
   const MutexLock lock(models_mutex_);
   MOTIONDB_RETURN_IF_ERROR(Write(Priority::kOrdinary, [&](Connection& connection) {
-    return RetireCurrentModel(connection, database);
+    return RetireCurrentModel(connection, database, terms);
   }));
   const auto write = [this](const auto& piece) { return Write(Priority::kBackground, piece); };
-  FreeUnneededModels(write, database).IgnoreError();
+  FreeUnneededModels(write, database, terms.fence).IgnoreError();
   PurgeDeletedClips(database, {}).IgnoreError();
   return absl::OkStatus();
 }
@@ -244,6 +267,33 @@ absl::Status SqlMotionStore::PurgeDeletedClips(const std::string& database,
   return data_loss;
 }
 
+absl::StatusOr<std::int64_t> SqlMotionStore::AcquireBuildLease(const std::string& database,
+                                                               const std::string& holder,
+                                                               std::chrono::milliseconds duration) {
+  return Write(Priority::kUrgent, [&](Connection& connection) -> absl::StatusOr<std::int64_t> {
+    // The time after the database is locked.
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t now_us, LeaseTimeUs(connection));
+    return AcquireLease(connection, key, holder, now_us, now_us + ToMicroseconds(duration));
+  });
+}
+
+absl::Status SqlMotionStore::RenewBuildLease(const std::string& database, std::int64_t fence,
+                                             std::chrono::milliseconds duration) {
+  return Write(Priority::kUrgent, [&](Connection& connection) -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t now_us, LeaseTimeUs(connection));
+    return RenewLease(connection, key, fence, now_us + ToMicroseconds(duration));
+  });
+}
+
+absl::Status SqlMotionStore::ReleaseBuildLease(const std::string& database, std::int64_t fence) {
+  return Write(Priority::kUrgent, [&](Connection& connection) -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
+    return ReleaseLease(connection, key, fence);
+  });
+}
+
 absl::Status SqlMotionStore::PutOperation(const OperationRecord& record,
                                           const core::Cancelled& cancelled) {
   const bool stops = record.state == OperationState::kCancelled;
@@ -261,6 +311,10 @@ absl::StatusOr<std::vector<OperationRecord>> SqlMotionStore::ListOperations(
   return Read([&](Connection& connection) {
     return SelectOperations(connection, database, before, limit);
   });
+}
+
+absl::StatusOr<std::vector<OperationRecord>> SqlMotionStore::ListUnfinishedOperations() {
+  return Read([](Connection& connection) { return SelectUnfinishedOperations(connection); });
 }
 
 absl::Status SqlMotionStore::AddToken(const TokenRecord& record, const WriteOptions& terms) {

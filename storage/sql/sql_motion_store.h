@@ -39,6 +39,7 @@ class SqlMotionStore : public MotionStore,
   absl::Status ReplaceMarkerSet(const std::string& database, const std::string& before,
                                 const std::string& text, const WriteOptions& terms = {}) override;
   absl::Status DeleteDatabase(const std::string& database, const WriteOptions& terms = {}) override;
+  absl::StatusOr<std::vector<DatabaseState>> ListDatabaseStates() override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override;
 
   absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) override;
@@ -62,19 +63,30 @@ class SqlMotionStore : public MotionStore,
   absl::StatusOr<std::vector<SkeletonRecord>> ListSkeletons(const std::string& database,
                                                             const Page& page) override;
 
-  absl::StatusOr<ModelRecord> PutModel(const std::string& database,
-                                       const core::Model& model) override;
+  absl::StatusOr<ModelRecord> PutModel(const std::string& database, const core::Model& model,
+                                       const ModelTerms& terms = {}) override;
   absl::StatusOr<ModelRecord> PutExtension(const std::string& database, const core::Model& model,
-                                           double drift_fraction) override;
+                                           double drift_fraction,
+                                           const ModelTerms& terms = {}) override;
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override;
+  absl::StatusOr<core::Model> ReadExtension(const std::string& database, std::int32_t base_version,
+                                            const core::Model& base,
+                                            const core::ParallelFor& parallel) override;
   absl::StatusOr<ModelStaleness> FindModelStaleness(const std::string& database) override;
   absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database, int before,
                                                       int limit) override;
-  absl::Status DropModel(const std::string& database) override;
+  absl::Status DropModel(const std::string& database, const ModelTerms& terms = {}) override;
   absl::Status PurgeDeletedClips(const std::string& database,
                                  const core::Cancelled& cancelled = {}) override;
+
+  absl::StatusOr<std::int64_t> AcquireBuildLease(const std::string& database,
+                                                 const std::string& holder,
+                                                 std::chrono::milliseconds duration) override;
+  absl::Status RenewBuildLease(const std::string& database, std::int64_t fence,
+                               std::chrono::milliseconds duration) override;
+  absl::Status ReleaseBuildLease(const std::string& database, std::int64_t fence) override;
 
   absl::Status PutOperation(const OperationRecord& record,
                             const core::Cancelled& cancelled = {}) override;
@@ -82,6 +94,7 @@ class SqlMotionStore : public MotionStore,
   absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
                                                               const std::string& before,
                                                               int limit) override;
+  absl::StatusOr<std::vector<OperationRecord>> ListUnfinishedOperations() override;
 
   WriteFailures write_failures() const override { return write_health_.failures(); }
 
@@ -130,6 +143,8 @@ class SqlMotionStore : public MotionStore,
   // Returns whether to run a transaction that failed with `error` a second time: CheckMayWrite then
   // repairs what the error is about.
   virtual bool MayRepair(const absl::Status&) { return false; }
+  // Returns the time for build leases, microseconds since the Unix epoch, on a writing connection.
+  virtual absl::StatusOr<std::int64_t> LeaseTimeUs(Connection&) { return now_us_(); }
   // Returns whether CheckMayWrite uses the size of additions.
   virtual bool checks_room() const = 0;
 

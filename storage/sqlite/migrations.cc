@@ -1,6 +1,7 @@
 // The migrations, in order. Stored: never change a migration of a released version.
 #include <span>
 
+#include "storage/sqlite/build_lease_migration.h"
 #include "storage/sqlite/schema.h"
 
 namespace motiondb::storage {
@@ -385,7 +386,8 @@ constexpr const char* kMigrations[] = {kFirst,
                                        kRepresentationVersions,
                                        kFormatsAndTakes,
                                        kAnnotations,
-                                       kUnicodeWords};
+                                       kUnicodeWords,
+                                       kBuildLeases};
 
 }  // namespace
 

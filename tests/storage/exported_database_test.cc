@@ -28,7 +28,7 @@ using storage::SqliteMotionStore;
 constexpr const char* kExportedTables[] = {
     "database",    "skeleton",   "skeleton_chunk", "clip",      "clip_chunk", "segment",  "model",
     "model_layer", "model_clip", "model_chunk",    "tombstone", "edit",       "clip_text"};
-const std::set<std::string> kOtherTables = {"operation", "token", "audit"};
+const std::set<std::string> kOtherTables = {"build_lease", "operation", "token", "audit"};
 
 // Returns all rows of the exported tables, without keys and the checksums that depend on them, in
 // an order that does not depend on keys.

@@ -62,7 +62,9 @@ absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record,
   if (databases_.contains(record.name)) {
     return absl::AlreadyExistsError(fmt::format("database '{}' already exists", record.name));
   }
-  databases_[record.name].record = record;
+  Database& made = databases_[record.name];
+  made.record = record;
+  made.id = ++last_id_;
   return Note(terms);
 }
 
@@ -70,6 +72,17 @@ absl::StatusOr<DatabaseRecord> InMemoryMotionStore::GetDatabase(const std::strin
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const Database* const found, Find(database));
   return found->record;
+}
+
+absl::StatusOr<std::vector<storage::DatabaseState>> InMemoryMotionStore::ListDatabaseStates() {
+  const std::lock_guard lock(mutex_);
+  std::vector<storage::DatabaseState> states;
+  for (const auto& [name, in] : databases_) {
+    const auto of_markers =
+        static_cast<std::int64_t>(std::hash<std::string>()(in.record.marker_set_text));
+    states.push_back({name, in.id, in.revision, of_markers ^ in.revision});
+  }
+  return states;
 }
 
 absl::StatusOr<std::vector<DatabaseRecord>> InMemoryMotionStore::ListDatabases(const Page& page) {
@@ -321,10 +334,21 @@ absl::Status InMemoryMotionStore::PutOperation(const OperationRecord& record,
   const auto stored = std::ranges::find(operations_, record.id, &OperationRecord::id);
   if (stored == operations_.end()) {
     operations_.push_back(record);
+  } else if (stored->done() && stored->state != record.state) {
+    return absl::AbortedError("the operation has already ended");
   } else {
     *stored = record;
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<OperationRecord>> InMemoryMotionStore::ListUnfinishedOperations() {
+  const std::lock_guard lock(mutex_);
+  std::vector<OperationRecord> unfinished;
+  for (const OperationRecord& record : operations_) {
+    if (!record.done()) unfinished.push_back(record);
+  }
+  return unfinished;
 }
 
 absl::StatusOr<OperationRecord> InMemoryMotionStore::GetOperation(const std::string& operation) {

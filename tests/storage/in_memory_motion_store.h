@@ -2,6 +2,7 @@
 // not SQLite, and serves tests that need a store but no file.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -50,7 +51,10 @@ class InMemoryMaintenance final : public storage::StoreMaintenance {
 
 class InMemoryMotionStore final : public storage::MotionStore, public storage::AnnotationStore {
  public:
-  explicit InMemoryMotionStore(std::int64_t put_time_us) : put_time_us_(put_time_us) {}
+  // `lease_time_us`: clock of the leases.
+  explicit InMemoryMotionStore(std::int64_t put_time_us,
+                               std::function<std::int64_t()> lease_time_us = {})
+      : put_time_us_(put_time_us), lease_time_us_(std::move(lease_time_us)) {}
 
   absl::Status CreateDatabase(const storage::DatabaseRecord& record,
                               const storage::WriteOptions& terms = {}) override;
@@ -62,6 +66,7 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
                                 const storage::WriteOptions& terms = {}) override;
   absl::Status DeleteDatabase(const std::string& database,
                               const storage::WriteOptions& terms = {}) override;
+  absl::StatusOr<std::vector<storage::DatabaseState>> ListDatabaseStates() override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled&) override { return absl::OkStatus(); }
   absl::Status CheckWrites() override { return absl::OkStatus(); }
   storage::WriteFailures write_failures() const override { return {}; }
@@ -91,19 +96,31 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
       const std::string& database, const storage::Page& page) override;
 
   absl::StatusOr<storage::ModelRecord> PutModel(const std::string& database,
-                                                const core::Model& model) override;
+                                                const core::Model& model,
+                                                const storage::ModelTerms& terms = {}) override;
   absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
-                                                    const core::Model& model,
-                                                    double drift_fraction) override;
+                                                    const core::Model& model, double drift_fraction,
+                                                    const storage::ModelTerms& terms = {}) override;
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override;
+  absl::StatusOr<core::Model> ReadExtension(const std::string& database, std::int32_t base_version,
+                                            const core::Model& base,
+                                            const core::ParallelFor& parallel) override;
   absl::StatusOr<storage::ModelStaleness> FindModelStaleness(const std::string& database) override;
   absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
                                                                int before, int limit) override;
-  absl::Status DropModel(const std::string& database) override;
+  absl::Status DropModel(const std::string& database,
+                         const storage::ModelTerms& terms = {}) override;
   absl::Status PurgeDeletedClips(const std::string& database,
                                  const core::Cancelled& cancelled = {}) override;
+
+  absl::StatusOr<std::int64_t> AcquireBuildLease(const std::string& database,
+                                                 const std::string& holder,
+                                                 std::chrono::milliseconds duration) override;
+  absl::Status RenewBuildLease(const std::string& database, std::int64_t fence,
+                               std::chrono::milliseconds duration) override;
+  absl::Status ReleaseBuildLease(const std::string& database, std::int64_t fence) override;
 
   absl::Status PutOperation(const storage::OperationRecord& record,
                             const core::Cancelled& cancelled = {}) override;
@@ -111,6 +128,7 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
   absl::StatusOr<std::vector<storage::OperationRecord>> ListOperations(const std::string& database,
                                                                        const std::string& before,
                                                                        int limit) override;
+  absl::StatusOr<std::vector<storage::OperationRecord>> ListUnfinishedOperations() override;
   storage::AnnotationStore& annotations() override { return *this; }
   absl::StatusOr<storage::EditRecord> Edit(const std::string& database,
                                            std::span<const storage::Change> changes,
@@ -161,6 +179,11 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
     std::vector<storage::EditRecord> edits;  // oldest first
     std::vector<Tombstone> tombstones;       // oldest first
     std::int64_t removed_revision = 0;
+    std::int64_t id = 0;
+    std::string lease_holder;     // empty: released
+    std::int64_t last_fence = 0;  // 0: there was no lease
+    std::int64_t lease_expire_us = 0;
+    int built_version = 0;  // the build that the current model is or extends
   };
 
   // Returns whether the clip of the model was built from `stored`.
@@ -186,11 +209,16 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
                                            const storage::WriteOptions& terms);
   // Adds a copy of a database under another name.
   absl::Status AddCopy(Database copy, const std::string& name, const storage::WriteOptions& terms);
+  std::int64_t LeaseTimeUs() const { return lease_time_us_ ? lease_time_us_() : put_time_us_; }
+  // See ModelTerms.
+  static absl::Status CheckTerms(const Database& in, const storage::ModelTerms& terms);
   absl::Status Note(const storage::WriteOptions& terms);
   absl::StatusOr<Database*> Find(const std::string& database);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);
 
   const std::int64_t put_time_us_;
+  const std::function<std::int64_t()> lease_time_us_;
+  std::int64_t last_id_ = 0;  // of a database
   std::mutex mutex_;
   std::map<std::string, Database> databases_;
   std::vector<storage::OperationRecord> operations_;  // oldest first

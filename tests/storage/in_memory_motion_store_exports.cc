@@ -115,6 +115,7 @@ absl::Status InMemoryMotionStore::AddCopy(Database copy, const std::string& name
     }
   }
   for (storage::ModelRecord& model : copy.models) model.database = name;
+  copy.id = ++last_id_;
   databases_[name] = std::move(copy);
   return Note(terms);
 }

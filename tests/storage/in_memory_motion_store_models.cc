@@ -14,6 +14,8 @@
 
 namespace motiondb::tests {
 
+using storage::ModelTerms;
+
 bool InMemoryMotionStore::IsOf(const storage::NewClip& stored, const core::Model& model,
                                const core::ModelClip& clip) {
   return stored.record.id == clip.id && stored.record.frame_count == clip.frame_count &&
@@ -64,17 +66,23 @@ absl::StatusOr<storage::ModelRecord> InMemoryMotionStore::Put(Database& in,
 }
 
 absl::StatusOr<storage::ModelRecord> InMemoryMotionStore::PutModel(const std::string& database,
-                                                                   const core::Model& model) {
+                                                                   const core::Model& model,
+                                                                   const ModelTerms& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
-  return Put(*in, model, 0);
+  MOTIONDB_RETURN_IF_ERROR(CheckTerms(*in, terms));
+  auto record = Put(*in, model, 0);
+  if (record.ok()) in->built_version = record->version;
+  return record;
 }
 
 absl::StatusOr<storage::ModelRecord> InMemoryMotionStore::PutExtension(const std::string& database,
                                                                        const core::Model& model,
-                                                                       double drift_fraction) {
+                                                                       double drift_fraction,
+                                                                       const ModelTerms& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  MOTIONDB_RETURN_IF_ERROR(CheckTerms(*in, terms));
   const auto same = [](const core::ModelClip& a, const core::ModelClip& b) {
     return a.id == b.id && a.frame_count == b.frame_count;
   };
@@ -97,6 +105,19 @@ absl::StatusOr<core::Model> InMemoryMotionStore::ReadModel(const std::string& da
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
   if (!in->model) return core::NotFound("database '{}' has no model", database);
+  return *in->model;
+}
+
+absl::StatusOr<core::Model> InMemoryMotionStore::ReadExtension(const std::string& database,
+                                                               std::int32_t base_version,
+                                                               const core::Model& base,
+                                                               const core::ParallelFor&) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  if (!in->model) return core::NotFound("database '{}' has no model", database);
+  if (base_version < in->built_version || base.clips().size() > in->model->clips().size()) {
+    return core::FailedPrecondition("the current model does not extend model {}", base_version);
+  }
   return *in->model;
 }
 
@@ -149,15 +170,55 @@ absl::StatusOr<std::vector<storage::ModelRecord>> InMemoryMotionStore::ListModel
   return records;
 }
 
-absl::Status InMemoryMotionStore::DropModel(const std::string& database) {
+absl::Status InMemoryMotionStore::DropModel(const std::string& database, const ModelTerms& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  MOTIONDB_RETURN_IF_ERROR(CheckTerms(*in, terms));
   if (in->model) {
     in->models.back().current = false;
     in->model_revision = ++in->revision;
   }
   in->model.reset();
   in->deleted.clear();
+  return absl::OkStatus();
+}
+
+absl::Status InMemoryMotionStore::CheckTerms(const Database& in, const ModelTerms& terms) {
+  if (terms.fence < in.last_fence) return absl::AbortedError("the build lease has ended");
+  const int current = in.model ? static_cast<int>(in.models.size()) : 0;
+  if (terms.base_version.value_or(current) == current) return absl::OkStatus();
+  return absl::AbortedError(fmt::format("the current model is {}", current));
+}
+
+absl::StatusOr<std::int64_t> InMemoryMotionStore::AcquireBuildLease(
+    const std::string& database, const std::string& holder, std::chrono::milliseconds duration) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  const std::int64_t now_us = LeaseTimeUs();
+  if (!in->lease_holder.empty() && in->lease_holder != holder && in->lease_expire_us > now_us) {
+    return absl::AbortedError(fmt::format("'{}' has the build lease", in->lease_holder));
+  }
+  in->lease_holder = holder;
+  in->lease_expire_us = now_us + std::chrono::microseconds(duration).count();
+  return ++in->last_fence;
+}
+
+absl::Status InMemoryMotionStore::RenewBuildLease(const std::string& database, std::int64_t fence,
+                                                  std::chrono::milliseconds duration) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  if (in->last_fence != fence || in->lease_holder.empty()) {
+    return absl::AbortedError("the build lease has ended");
+  }
+  in->lease_expire_us = LeaseTimeUs() + std::chrono::microseconds(duration).count();
+  return absl::OkStatus();
+}
+
+absl::Status InMemoryMotionStore::ReleaseBuildLease(const std::string& database,
+                                                    std::int64_t fence) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  if (in->last_fence == fence) in->lease_holder.clear();
   return absl::OkStatus();
 }
 

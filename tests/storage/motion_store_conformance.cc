@@ -5,6 +5,7 @@
 
 #include "tests/storage/access_store_conformance.h"
 #include "tests/storage/annotation_conformance.h"
+#include "tests/storage/build_lease_conformance.h"
 #include "tests/storage/clip_conformance.h"
 #include "tests/storage/exported_database_conformance.h"
 #include "tests/storage/model_conformance.h"
@@ -112,6 +113,18 @@ void TestOperations(StoreUnderTest& store) {
     }
     return joined;
   };
+  // Unfinished ones are listed in order of creation; those that have ended keep their state.
+  std::string unfinished;
+  for (const auto& record : Require(store->ListUnfinishedOperations())) unfinished += record.id;
+  REQUIRE(unfinished == "mak");
+  auto late = changed;
+  late.state = storage::OperationState::kRunning;
+  REQUIRE_ERROR(store->PutOperation(late), StatusCode::kAborted, "ended");
+  late.state = storage::OperationState::kCancelled;
+  REQUIRE_ERROR(store->PutOperation(late), StatusCode::kAborted, "ended");
+  REQUIRE_OK(store->PutOperation(changed));
+  REQUIRE(Same(Require(store->GetOperation("z")), changed));
+
   REQUIRE(ids("", "", 10) == "kazm");
   REQUIRE(ids("", "", 2) == "ka");
   REQUIRE(ids("", "a", 10) == "zm");
@@ -134,6 +147,12 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
   SECTION("the first clip can set the marker set") { TestMarkerSetOfFirstClip(*store); }
   SECTION("identical skeletons are stored once") { TestSkeletons(*store); }
   SECTION("models are stored") { TestModels(*store); }
+  SECTION("leases order the models of several builders") { TestBuildLeases(*store); }
+  SECTION("random builders have the effect that a simple model has") {
+    TestRandomBuilders(*store, 1, 80);
+  }
+  SECTION("a model is read from the one that it extends") { TestReadExtension(*store); }
+  SECTION("states of databases tell what has changed") { TestDatabaseStates(*store); }
   SECTION("operations are stored and listed newest first") { TestOperations(*store); }
   SECTION("segments are edited") { TestSegments(*store); }
   SECTION("a label is a segment") { TestLabels(*store); }

@@ -112,7 +112,7 @@ TEST_CASE("PostgresMotionStore: servers that open an empty database together mak
     }
   }
   for (const absl::Status& status : opened) REQUIRE_OK(status);
-  REQUIRE(database.Sql("SELECT count(*) || ' ' || min(version) FROM motiondb_schema") == "1 2");
+  REQUIRE(database.Sql("SELECT count(*) || ' ' || min(version) FROM motiondb_schema") == "1 3");
 }
 
 TEST_CASE("PostgresMotionStore: refuses a newer store and a database that it cannot use",
@@ -154,13 +154,13 @@ TEST_CASE("PostgresMotionStore: upgrades a store of version 1 while an old serve
   REQUIRE_OK(add("before"));
   const auto store = Require(storage::PostgresMotionStore::Open(database.Url()));
   REQUIRE(store->versions().before == 1);
-  REQUIRE(store->versions().now == 2);
+  REQUIRE(store->versions().now == 3);
   REQUIRE_OK(add("after"));
   REQUIRE(Require(store->ListDatabases({})).size() == 2);
   REQUIRE(Findings(*store) == "");
   // It cannot start again.
   REQUIRE_ERROR(storage::MigratePostgres(*old_server, 1), StatusCode::kFailedPrecondition,
-                "version 2, from a newer motiondb; this one supports versions up to 1");
+                "version 3, from a newer motiondb; this one supports versions up to 1");
 }
 
 TEST_CASE("PostgresMotionStore: read-only refuses changes", "[storage][postgres]") {

@@ -61,6 +61,11 @@ constexpr std::array kAllowed = {
     // Fills the index of an exported database or of a corrupt one.
     "SELECT clip_key, title, description, subject, file_name, annotations FROM clip ",
     "SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema ",
+    // ListDatabaseStates lists all databases. The index of unfinished operations has only those.
+    "SELECT name, database_key, revision, row_crc FROM database ",
+    "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
+    "operation.create_time_us, update_time_us, kind FROM operation JOIN database USING "
+    "(database_key) WHERE deleted = 0 AND state IN ",
 };
 
 bool IsAllowed(const std::string& sql) {
@@ -133,6 +138,10 @@ TEST_CASE("SqliteMotionStore: the plan test records statements and detects scans
   REQUIRE(sqlite3_open(file.path().c_str(), &database) == SQLITE_OK);
   CHECK(ScansOf(database, "SELECT title FROM clip WHERE title = 'walk'") == "SCAN clip; ");
   CHECK(ScansOf(database, "SELECT title FROM clip WHERE clip_key = 1") == "");
+  CHECK(
+      ScansOf(database,
+              "SELECT id FROM operation WHERE state IN ('pending', 'running') ORDER BY sequence") ==
+      "SCAN operation USING INDEX unfinished_operation; ");
   sqlite3_close(database);
 }
 

@@ -29,6 +29,7 @@ void Fill(const StoreFile& file) {
   hop.segment.end_seconds = 1;
   REQUIRE_OK(store->annotations().Edit("d", std::vector<storage::Change>{hop}, "p"));
   REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "walk", 1)})));
+  REQUIRE_OK(store->AcquireBuildLease("d", "server", std::chrono::seconds(1)));
   REQUIRE_OK(store->PutOperation(SampleOperation("d", "op")));
   REQUIRE_OK(store->access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}));
 }
@@ -73,6 +74,7 @@ TEST_CASE("Verify: names the row of every table that was changed", "[storage][ve
       {"UPDATE tombstone SET clip = 'x'", ": row 1 of table tombstone"},
       {"UPDATE edit SET author = 'x'", "databases/d/edits/2: row 1 of table edit"},
       {"UPDATE operation SET stage = 'x'", "operations/op: row 1 of table operation"},
+      {"UPDATE build_lease SET fence = 7", ": row 1 of table build_lease"},
       {"UPDATE token SET role = 'admin'", "tokens/t: row 1 of table token"},
       {"UPDATE token SET expire_time_us = 0 + (expire_time_us = 0)",
        "tokens/t: row 1 of table token"},
@@ -125,8 +127,10 @@ TEST_CASE("Row checksums: are valid after every kind of change", "[storage][veri
   Fill(file);
   const auto store = file.Open();
   REQUIRE_OK(store->AddClip(SampleClip("d", "run", 2)));
-  REQUIRE_OK(
-      store->PutModel("d", SampleModel({SampleClip("d", "walk", 1), SampleClip("d", "run", 2)})));
+  const auto fence = Require(store->AcquireBuildLease("d", "server", std::chrono::milliseconds(1)));
+  REQUIRE_OK(store->RenewBuildLease("d", fence, std::chrono::seconds(2)));
+  REQUIRE_OK(store->PutModel(
+      "d", SampleModel({SampleClip("d", "walk", 1), SampleClip("d", "run", 2)}), {1, fence}));
   REQUIRE_OK(store->DeleteClip("d", "run"));
   auto operation = SampleOperation("d", "op");
   operation.state = storage::OperationState::kFailed;
@@ -134,7 +138,8 @@ TEST_CASE("Row checksums: are valid after every kind of change", "[storage][veri
   REQUIRE_OK(store->access().RevokeToken("t", 5));
   REQUIRE_OK(store->access().RevokeToken("t", 6));
   REQUIRE(Findings(*store).empty());
-  REQUIRE_OK(store->DropModel("d"));
+  REQUIRE_OK(store->DropModel("d", {2, fence}));
+  REQUIRE_OK(store->ReleaseBuildLease("d", fence));
   REQUIRE_OK(store->PurgeDeletedClips("d"));
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
   REQUIRE_OK(store->DeleteDatabase("e"));

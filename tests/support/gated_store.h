@@ -128,7 +128,7 @@ class GatedStore : public storage::MotionStore {
   // Each kind of call passes its gate first: `gate` reads of clip states and maintenance,
   // `model_gate` writes of a built model, `reading_gate` reads of a model, `derive_gate` writes of
   // derived clips. `disk` decides whether writes succeed.
-  GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
+  GatedStore(std::shared_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
              std::shared_ptr<Gate> model_gate = std::make_shared<Gate>(),
              std::shared_ptr<const SimulatedDisk> disk = std::make_shared<SimulatedDisk>(),
              std::shared_ptr<Gate> reading_gate = std::make_shared<Gate>(),
@@ -165,6 +165,9 @@ class GatedStore : public storage::MotionStore {
                               const storage::WriteOptions& work_options = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DeleteDatabase(database, work_options);
+  }
+  absl::StatusOr<std::vector<storage::DatabaseState>> ListDatabaseStates() override {
+    return store_->ListDatabaseStates();
   }
   absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
@@ -220,16 +223,23 @@ class GatedStore : public storage::MotionStore {
     return store_->ListSkeletons(database, page);
   }
   absl::StatusOr<storage::ModelRecord> PutModel(const std::string& database,
-                                                const core::Model& model) override {
+                                                const core::Model& model,
+                                                const storage::ModelTerms& terms = {}) override {
     model_gate_->Pass();
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->PutModel(database, model);
+    return store_->PutModel(database, model, terms);
   }
-  absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
-                                                    const core::Model& model,
-                                                    double drift_fraction) override {
+  absl::StatusOr<storage::ModelRecord> PutExtension(
+      const std::string& database, const core::Model& model, double drift_fraction,
+      const storage::ModelTerms& terms = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->PutExtension(database, model, drift_fraction);
+    return store_->PutExtension(database, model, drift_fraction, terms);
+  }
+  absl::StatusOr<core::Model> ReadExtension(const std::string& database, std::int32_t base_version,
+                                            const core::Model& base,
+                                            const core::ParallelFor& parallel) override {
+    reading_gate_->Pass();
+    return store_->ReadExtension(database, base_version, base, parallel);
   }
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override {
@@ -247,9 +257,25 @@ class GatedStore : public storage::MotionStore {
                                                                int before, int limit) override {
     return store_->ListModels(database, before, limit);
   }
-  absl::Status DropModel(const std::string& database) override {
+  absl::Status DropModel(const std::string& database,
+                         const storage::ModelTerms& terms = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->DropModel(database);
+    return store_->DropModel(database, terms);
+  }
+  absl::StatusOr<std::int64_t> AcquireBuildLease(const std::string& database,
+                                                 const std::string& holder,
+                                                 std::chrono::milliseconds duration) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->AcquireBuildLease(database, holder, duration);
+  }
+  absl::Status RenewBuildLease(const std::string& database, std::int64_t fence,
+                               std::chrono::milliseconds duration) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->RenewBuildLease(database, fence, duration);
+  }
+  absl::Status ReleaseBuildLease(const std::string& database, std::int64_t fence) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->ReleaseBuildLease(database, fence);
   }
   absl::Status PurgeDeletedClips(const std::string& database,
                                  const core::Cancelled& cancelled = {}) override {
@@ -269,6 +295,10 @@ class GatedStore : public storage::MotionStore {
                                                                        int limit) override {
     return store_->ListOperations(database, before, limit);
   }
+  absl::StatusOr<std::vector<storage::OperationRecord>> ListUnfinishedOperations() override {
+    return store_->ListUnfinishedOperations();
+  }
+  bool is_shared() const override { return store_->is_shared(); }
   absl::Status CheckWrites() override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->CheckWrites();
@@ -279,7 +309,7 @@ class GatedStore : public storage::MotionStore {
   storage::StoreMaintenance& maintenance() override { return maintenance_; }
 
  private:
-  const std::unique_ptr<storage::MotionStore> store_;
+  const std::shared_ptr<storage::MotionStore> store_;
   const std::shared_ptr<Gate> gate_;
   const std::shared_ptr<Gate> model_gate_;
   const std::shared_ptr<const SimulatedDisk> disk_;

@@ -10,6 +10,7 @@ import {
   Vector3,
 } from 'three';
 import { sideOf } from './body_side';
+import { linkRadii, type LinkRadii } from './link_radii';
 import type { Scene } from './scene';
 
 export interface FigurePoints {
@@ -22,6 +23,8 @@ export interface FigureStyle {
   pointRadius?: number;
   // Radius of a bone, m; default 0.009.
   boneRadius?: number;
+  // Bones are links of a body: capsules whose radii follow from their lengths, instead of both radii.
+  links?: boolean;
   // 0 to 1; default 1.
   opacity?: number;
   // Name of a colour of the style sheet, such as --ghost, for everything or for each point; default:
@@ -42,6 +45,7 @@ export class FigureObject {
   private readonly turn = new Quaternion();
   private readonly size = new Vector3();
   private positions: Float32Array = new Float32Array(0);
+  private radii: LinkRadii | undefined;
   private highlighted = -1;
 
   constructor(
@@ -53,12 +57,12 @@ export class FigureObject {
     const material = () =>
       new MeshLambertMaterial({ transparent: opacity < 1, opacity, depthWrite: opacity >= 1 });
     this.points = new InstancedMesh(
-      new IcosahedronGeometry(1, 1),
+      new IcosahedronGeometry(1, style.links === true ? 2 : 1),
       material(),
       Math.max(1, figure.names.length),
     );
     this.bones = new InstancedMesh(
-      new CylinderGeometry(1, 1, 1, 6, 1, true),
+      new CylinderGeometry(1, 1, 1, style.links === true ? 12 : 6, 1, true),
       material(),
       Math.max(1, figure.bones.length),
     );
@@ -76,6 +80,7 @@ export class FigureObject {
   // Shows positions, points x 3, m.
   update(positions: Float32Array): void {
     this.positions = positions;
+    if (this.style.links === true) this.radii ??= linkRadii(this.figure, positions);
     this.updatePoints();
     this.updateBones();
   }
@@ -130,9 +135,9 @@ export class FigureObject {
 
   // Writes the matrices in place: this runs for each picture of a motion that plays.
   private updatePoints(): void {
-    const { positions } = this;
-    const radius = this.style.pointRadius ?? 0.022;
-    const count = radius > 0 ? Math.min(this.figure.names.length, positions.length / 3) : 0;
+    const { positions, radii } = this;
+    const ofAll = this.style.pointRadius ?? 0.022;
+    const count = ofAll > 0 ? Math.min(this.figure.names.length, positions.length / 3) : 0;
     this.points.count = Math.floor(count);
     const matrices = this.points.instanceMatrix.array;
     for (let point = 0; point < this.points.count; ++point) {
@@ -140,6 +145,7 @@ export class FigureObject {
       const y = positions[3 * point + 1] ?? NaN;
       const z = positions[3 * point + 2] ?? NaN;
       const known = Number.isFinite(x + y + z);
+      const radius = radii ? (radii.points[point] ?? 0) : ofAll;
       const size = known ? (point === this.highlighted ? 1.7 * radius : radius) : 0;
       const at = 16 * point;
       matrices[at] = matrices[at + 5] = matrices[at + 10] = size;
@@ -163,7 +169,7 @@ export class FigureObject {
   private placeBone(index: number): void {
     const bone = this.figure.bones[index];
     if (!bone) return;
-    const radius = this.style.boneRadius ?? 0.009;
+    const radius = this.radii?.bones[index] ?? this.style.boneRadius ?? 0.009;
     this.readPosition(bone.fromPoint, this.from);
     this.readPosition(bone.toPoint, this.to).sub(this.from);
     const length = this.to.length();

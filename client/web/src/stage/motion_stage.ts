@@ -60,6 +60,8 @@ export class MotionStage {
       this.joints = new FigureObject(scene, motion.joints, {
         pointRadius: 0.013,
         color: '--ghost',
+        links: true,
+        opacity: 0.55,
       });
     }
     if (motion.contacts.length > 0) this.contacts = new ContactObject(scene, motion.markers.names);

@@ -1,0 +1,36 @@
+import type { FigurePoints } from './figure_object';
+
+// Radii of links, as fractions.
+const kOfLength = 0.2;
+const kSmallest = 0.05; // of the longest link
+const kLargest = 0.16; // of the longest link
+
+export interface LinkRadii {
+  // m, of each bone.
+  bones: Float32Array;
+  // m, of each point: its thickest bone; 0 without one.
+  points: Float32Array;
+}
+
+// Radii of capsules from joint to joint, so that a body looks solid: long links are thicker. Joints
+// of links keep their distances, so one pose is enough. undefined while the pose is incomplete.
+export function linkRadii(
+  { names, bones }: FigurePoints,
+  positions: Float32Array,
+): LinkRadii | undefined {
+  if (positions.length < 3 * names.length || !positions.every(Number.isFinite)) return undefined;
+  const at = (point: number, axis: number) => positions[3 * point + axis] ?? NaN;
+  const lengths = bones.map(({ fromPoint, toPoint }) =>
+    Math.hypot(...[0, 1, 2].map((axis) => at(toPoint, axis) - at(fromPoint, axis))),
+  );
+  const longest = Math.max(0, ...lengths);
+  const radii = { bones: new Float32Array(bones.length), points: new Float32Array(names.length) };
+  bones.forEach((bone, index) => {
+    const wanted = kOfLength * (lengths[index] ?? 0);
+    const radius = Math.min(Math.max(wanted, kSmallest * longest), kLargest * longest);
+    radii.bones[index] = radius;
+    for (const point of [bone.fromPoint, bone.toPoint])
+      radii.points[point] = Math.max(radii.points[point] ?? 0, radius);
+  });
+  return radii;
+}

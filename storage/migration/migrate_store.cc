@@ -66,7 +66,11 @@ class Migration {
       }));
     }
     MOTIONDB_RETURN_IF_ERROR(Report(Phase::kIndex, rows.copied_bytes()));
-    return InOneTransaction([&](Connection& target) { return rows.Finish(target); });
+    return InOneTransaction([&](Connection& target) -> absl::Status {
+      // An interrupted migration may have filled the index.
+      MOTIONDB_RETURN_IF_ERROR(target.Query("DELETE FROM clip_text").Run());
+      return rows.Finish(target);
+    });
   }
 
   absl::Status Compare() {

@@ -16,6 +16,9 @@ namespace {
 constexpr int kMaxAttempts = 8;            // of a transaction
 constexpr int kMinServerVersion = 150000;  // the version that the tests use
 
+// Advisory locks of hidden databases: this number, "hidden" in ASCII, plus the key.
+constexpr std::int64_t kHiddenLocks = 0x68696464656e0000;
+
 // Returns whether an error ended the session: one of libpq itself, or a fatal one of PostgreSQL.
 // PQstatus can notice it only at the next call.
 bool EndsSession(const PGresult* result) {
@@ -207,6 +210,22 @@ absl::Status PostgresConnection::SkipUsedKeys(std::string_view table, std::strin
   return Query(fmt::format("SELECT setval({0}, greatest(nextval({0}), max({1}))) FROM {2}",
                            sequence, key, table))
       .Run();
+}
+
+absl::Status PostgresConnection::KeepHidden(std::int64_t database_key) {
+  if (connector_->address().pooled) return absl::OkStatus();
+  return Query("SELECT pg_advisory_lock(?)", kHiddenLocks + database_key).Run();
+}
+
+absl::Status PostgresConnection::ReleaseHidden(std::int64_t database_key) {
+  if (connector_->address().pooled) return absl::OkStatus();
+  return Query("SELECT pg_advisory_unlock(?)", kHiddenLocks + database_key).Run();
+}
+
+std::string_view PostgresConnection::IsNotKept() const {
+  static const std::string kCondition =
+      fmt::format("pg_try_advisory_xact_lock({} + database_key)", kHiddenLocks);
+  return kCondition;
 }
 
 std::string PostgresConnection::InsertSql(std::string_view sql, std::string_view key) const {

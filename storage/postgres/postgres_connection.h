@@ -48,6 +48,12 @@ class PostgresConnection final : public Connection {
                                                      int count) override;
   absl::Status SkipUsedKeys(std::string_view table, std::string_view key) override;
 
+  // A lock of the session. With a pooler there is none: another server may purge an import, which
+  // then fails.
+  absl::Status KeepHidden(std::int64_t database_key) override;
+  absl::Status ReleaseHidden(std::int64_t database_key) override;
+  std::string_view IsNotKept() const override;
+
   std::string_view row_lock() const override { return is_writing_ ? " FOR NO KEY UPDATE" : ""; }
   // A statement has all its rows in memory.
   std::int64_t max_chunk_rows() const override { return 16; }

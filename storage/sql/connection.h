@@ -93,6 +93,13 @@ class Connection {
   // After rows were inserted with given keys: lets the engine choose larger ones.
   virtual absl::Status SkipUsedKeys(std::string_view table, std::string_view key) = 0;
 
+  // Keeps a hidden database from being purged by other servers, until it is released or the session
+  // ends. Nothing if there is only one server.
+  virtual absl::Status KeepHidden(std::int64_t) { return absl::OkStatus(); }
+  virtual absl::Status ReleaseHidden(std::int64_t) { return absl::OkStatus(); }
+  // Returns an SQL condition: no other server keeps the hidden database.
+  virtual std::string_view IsNotKept() const { return "TRUE"; }
+
   // What follows a SELECT of rows that the transaction is going to change, so that transactions on
   // them run one after another. Empty if the engine has only one writer, and in a read transaction.
   virtual std::string_view row_lock() const = 0;

@@ -201,12 +201,13 @@ class Freeing {
   int freed_rows_ = 0;
 };
 
-// Finds the next deleted database after a key that is not staged; 0 if there is none.
+// Finds the next deleted database after a key that no server imports; 0 if there is none.
 absl::Status FindDeleted(Connection& connection, StagedDatabases& staged, std::int64_t after,
                          std::int64_t& key) {
   Statement row = connection.Query(
-      "SELECT database_key FROM database WHERE deleted = 1 AND database_key > ? "
-      "ORDER BY database_key",
+      fmt::format("SELECT database_key FROM database WHERE deleted = 1 AND database_key > ? AND {} "
+                  "ORDER BY database_key",
+                  connection.IsNotKept()),
       after);
   key = 0;
   while (true) {

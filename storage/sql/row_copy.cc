@@ -83,7 +83,6 @@ absl::Status RowCopy::Finish(Connection& target) {
       MOTIONDB_RETURN_IF_ERROR(target.SkipUsedKeys(table.name, table.keys));
     }
   }
-  MOTIONDB_RETURN_IF_ERROR(target.Query("DELETE FROM clip_text").Run());
   return FillClipText(target);
 }
 

@@ -41,7 +41,7 @@ class RowCopy {
   // Returns false after the last row. After an error the object must not be used. DATA_LOSS if a
   // row cannot be read or refers to a missing one, or, except in a backup, is corrupt.
   absl::StatusOr<bool> Step(Connection& target);
-  // After the last step, except in an import: makes the search index, and lets new rows get keys
+  // After the last step, except in an import: fills the empty search index, and lets new rows get keys
   // above those of the copied ones. In the caller's write transaction.
   absl::Status Finish(Connection& target);
 

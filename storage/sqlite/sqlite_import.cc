@@ -66,14 +66,17 @@ absl::Status SqliteImport::Stage(const core::Cancelled& cancelled) {
     const auto step = [&](Connection& store) -> absl::Status {
       // The copy cannot go back to the rows of a transaction that was rolled back.
       if (std::exchange(has_run, true)) {
-        return absl::UnavailableError(
-            "a step of the import failed, and cannot be repeated: import the file again");
+        return core::DataLoss(
+            "a step of the import was rolled back, because the search index of the store was "
+            "corrupt "
+            "or of another server: import the file again");
       }
       MOTIONDB_ASSIGN_OR_RETURN(more, copy.Step(store));
       if (staged_key_ == 0) {
         // In the transaction, before a purge can find the database.
         staged_key_ = copy.target_key();
         staged_.Add(staged_key_);
+        return store.KeepHidden(staged_key_);
       }
       return absl::OkStatus();
     };
@@ -87,9 +90,11 @@ absl::Status SqliteImport::Stage(const core::Cancelled& cancelled) {
 
 absl::Status SqliteImport::Publish(const std::string& database, const WriteOptions& terms) {
   if (!is_complete_) return core::FailedPrecondition("the exported database was not staged");
-  MOTIONDB_RETURN_IF_ERROR(transact_(Priority::kOrdinary, terms, 0, [&](Connection& store) {
-    return ShowDatabase(store, staged_key_, database);
-  }));
+  const auto show = [&](Connection& store) -> absl::Status {
+    MOTIONDB_RETURN_IF_ERROR(ShowDatabase(store, staged_key_, database));
+    return store.ReleaseHidden(staged_key_);
+  };
+  MOTIONDB_RETURN_IF_ERROR(transact_(Priority::kOrdinary, terms, 0, show));
   is_complete_ = false;
   Unstage();
   return absl::OkStatus();

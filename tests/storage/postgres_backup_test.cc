@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cstdlib>
 #include <string>
 #include <thread>
@@ -163,6 +164,45 @@ TEST_CASE("Postgres backup: has what is corrupt, and a restore finds it",
   REQUIRE(Require(target->ListDatabases({})).empty());
   if (found != "row ") return;
   REQUIRE_ERROR(Restore(*target, Export(*source, "d")), StatusCode::kInvalidArgument, found);
+}
+
+TEST_CASE("Postgres import: another server does not purge it until its server has ended",
+          "[storage][postgres][export]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr) return;
+  const PostgresDatabase database(*cluster);
+  auto importer = Open(database);
+  const auto other = Open(database);
+  FillWithEverything(*other, "d");
+  const std::string bytes = Export(*other, "d");
+  const auto stage = [&] {
+    auto import = Require(importer->maintenance().BeginImport());
+    REQUIRE_OK(import->Append(bytes));
+    REQUIRE_OK(import->Check({}));
+    REQUIRE_OK(import->Stage({}));
+    return import;
+  };
+  auto import = stage();
+  REQUIRE_OK(other->PurgeDeletedDatabases({}));
+  REQUIRE_ERROR(import->Publish("d"), StatusCode::kAlreadyExists, "");
+  REQUIRE_OK(other->PurgeDeletedDatabases({}));
+  REQUIRE_OK(import->Publish("copy"));
+  REQUIRE(DumpDatabase(*other, "copy") == DumpDatabase(*other, "d"));
+  const std::string hidden = "SELECT count(*) FROM database WHERE deleted = 1";
+  // Deleted by another server than the one that imported it.
+  REQUIRE_OK(other->DeleteDatabase("copy"));
+  REQUIRE_OK(other->PurgeDeletedDatabases({}));
+  REQUIRE(database.Sql(hidden) == "0");
+  // The server ends before it has published.
+  import = stage();
+  REQUIRE(database.Sql(hidden) == "1");
+  import.reset();
+  importer.reset();
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (database.Sql(hidden) != "0") {  // its session ends a little later
+    REQUIRE(std::chrono::steady_clock::now() < latest);
+    REQUIRE_OK(other->PurgeDeletedDatabases({}));
+  }
 }
 
 TEST_CASE("Postgres backup: can be cancelled, and leaves no files", "[storage][postgres][backup]") {

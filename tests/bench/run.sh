@@ -26,10 +26,11 @@ declare -A quick_options=(
   [recognize]="--clips 200 --frames 100000"
   [scale]="--clips 200 --frames 100000"
   [server]="--quick"
+  [stores]="--clips 200 --frames 100000 --rounds 3"
   [tree]="--frames 10000,30000"
   [writes]="--clips 60 --frames 30000"
 )
-with_rows=(tree recognize masks annotations scale extend writes server parse)
+with_rows=(tree recognize masks annotations scale extend writes server stores parse)
 plain=(catalog kinematics plan robot_plan)
 
 ./deploy/install_packages.sh build test >&2
@@ -39,11 +40,29 @@ cmake --build --preset release --target motiondb_bench_summary \
 programs=build/release/tests/bench
 
 results=$(mktemp -d)
-trap 'rm -rf "$results"' EXIT
+# A PostgreSQL cluster, which refuses to run as root.
+postgres=$(ls -d /usr/lib/postgresql/*/bin | tail -1)
+as_postgres=()
+cluster=$(mktemp -d)
+if [ "$(id -u)" = 0 ]; then
+  as_postgres=(setpriv --reuid=postgres --regid=postgres --clear-groups)
+  chown postgres "$cluster"
+fi
+end() {
+  "${as_postgres[@]}" "$postgres/pg_ctl" stop -D "$cluster/data" -m immediate >/dev/null || true
+  rm -rf "$results" "$cluster"
+}
+trap end EXIT
+cd "$cluster"
+"${as_postgres[@]}" "$postgres/initdb" -A trust -E UTF8 --locale=C -U motiondb -D "$cluster/data" >/dev/null
+"${as_postgres[@]}" "$postgres/pg_ctl" start -D "$cluster/data" -l "$cluster/log" -w \
+  -o "-k $cluster -c listen_addresses= -c shared_buffers=256MB" >/dev/null
+cd - >/dev/null
 # One large store for several programs: the first creates it.
 declare -A options_always=(
   [scale]="--store $results/large.db"
   [extend]="--store $results/large.db --rebuild"
+  [stores]="--postgres postgresql://motiondb@/postgres?host=$cluster"
 )
 tables=()
 for name in "${with_rows[@]}"; do

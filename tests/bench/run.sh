@@ -26,11 +26,12 @@ declare -A quick_options=(
   [recognize]="--clips 200 --frames 100000"
   [scale]="--clips 200 --frames 100000"
   [server]="--quick"
+  [gateway]="--quick"
   [stores]="--clips 200 --frames 100000 --rounds 3"
   [tree]="--frames 10000,30000"
   [writes]="--clips 60 --frames 30000"
 )
-with_rows=(tree recognize masks annotations scale extend writes server stores parse)
+with_rows=(tree recognize masks annotations scale extend writes server gateway stores parse)
 plain=(catalog kinematics plan robot_plan)
 
 ./deploy/install_packages.sh build test >&2

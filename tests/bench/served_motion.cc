@@ -54,6 +54,7 @@ absl::StatusOr<std::unique_ptr<ServedMotion>> ServedMotion::StartWith(
 absl::Status ServedMotion::Serve(std::unique_ptr<storage::MotionStore> store) {
   server::ServerOptions options;
   options.listen = "127.0.0.1:0";
+  options.web_listen = "127.0.0.1:0";
   MOTIONDB_ASSIGN_OR_RETURN(server_, server::Server::Start(std::move(store), options));
   MOTIONDB_ASSIGN_OR_RETURN(auto client, client::Client::Connect({.server = address()}));
   client_ = std::move(client);

@@ -30,13 +30,15 @@ absl::StatusOr<std::vector<MotionBytes>> ReadClips(const std::string& list);
 
 class ServedMotion {
  public:
-  // Starts a server with default options and a store in a temporary directory.
+  // Starts a server with default options, the HTTP API, and a store in a temporary directory.
   static absl::StatusOr<std::unique_ptr<ServedMotion>> Start();
   // The same, with this store.
   static absl::StatusOr<std::unique_ptr<ServedMotion>> StartWith(
       std::unique_ptr<storage::MotionStore> store);
 
   const std::string& address() const { return server_->address(); }
+  // URL of the HTTP API.
+  std::string web_address() const { return server_->web_address(); }
   // Returns the path of a file in the store's directory.
   std::string File(const std::string& name) const { return directory_ / name; }
 

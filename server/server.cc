@@ -99,6 +99,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
   std::unique_ptr<Server> server(
       new Server(std::move(engine), plan.access, options.calls, std::move(monitor)));
+  // On an error, the next look of the engine tries again.
+  server->engine_->AddFollower(
+      [&tokens = server->host_->access.tokens()] { tokens.FollowRevocations().IgnoreError(); });
   if (!server->host_->access.HasAdminAccess(NowMicroseconds())) {
     spdlog::warn(
         "no valid admin token exists: set --admin-token-file, or start once on 127.0.0.1 and "
@@ -151,7 +154,10 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
   services_.push_back(MakeServerService(*host_));
 }
 
-Server::~Server() { Drain(milliseconds(0)); }
+Server::~Server() {
+  Drain(milliseconds(0));
+  engine_->Drain();  // also if the server has never listened: looks use the tokens
+}
 
 absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   EnablePlugins();

@@ -8,12 +8,24 @@
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
 #include "server/engine/audit_trail.h"
+#include "server/engine/build_lease.h"
 #include "server/engine/clock.h"
 
 namespace motiondb::server {
 
+namespace {
+
+EngineOptions WithWork(EngineOptions options, storage::MotionStore& store) {
+  // A server of a file is the only one that can build. One that may not write builds nothing.
+  if (store.is_shared()) options.builds &= store.maintenance().CheckIsWritable().ok();
+  return options;
+}
+
+}  // namespace
+
 Engine::Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions& options)
-    : options_(options),
+    : options_(WithWork(options, *store)),
+      name_(NewHolderName()),
       store_(std::move(store)),
       operations_(*store_),
       skeletons_(*store_),
@@ -27,6 +39,7 @@ Engine::~Engine() {
 
 void Engine::Drain() {
   draining_ = true;
+  StopFollowing();
   operations_.EndWaits();
   const auto databases = Databases();
   for (const auto& database : databases) database->lifecycle().BeginStop();
@@ -37,7 +50,7 @@ std::shared_ptr<LiveDatabase> Engine::Serve(const std::string& name,
                                             const core::BuildSettings& settings) {
   auto live = std::make_shared<LiveDatabase>(name, settings);
   live->Serve(std::make_unique<ModelLifecycle>(
-      *live, LifecycleServices{*store_, operations_, workers_, options_}));
+      *live, LifecycleServices{*store_, operations_, workers_, options_, name_}));
   return live;
 }
 
@@ -139,12 +152,20 @@ absl::Status Engine::CheckDatabaseCount() {
 }
 
 absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::string& database) {
+  auto live = FindServed(database);
+  if (live == nullptr && store_->is_shared()) {
+    LookFor(database);
+    live = FindServed(database);
+  }
+  if (live != nullptr) return live;
+  return core::WithReason("DATABASE_NOT_FOUND",
+                          core::NotFound("database '{}' does not exist", database));
+}
+
+std::shared_ptr<LiveDatabase> Engine::FindServed(const std::string& database) {
   const storage::MutexLock lock(mutex_);
   const auto found = databases_.find(database);
-  if (found == databases_.end())
-    return core::WithReason("DATABASE_NOT_FOUND",
-                            core::NotFound("database '{}' does not exist", database));
-  return found->second;
+  return found == databases_.end() ? nullptr : found->second;
 }
 
 std::vector<std::shared_ptr<LiveDatabase>> Engine::Databases() {
@@ -215,6 +236,7 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
     MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, database->lifecycle().Request(terms.cancelled));
     return absl::OkStatus();
   };
+  if (store_->is_shared()) MOTIONDB_RETURN_IF_ERROR(ReadScheme(*database));
   MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
                             IngestClip(*store_, *database, std::move(request), options_,
                                        workers_.Parallel(Pool::kRequests), terms, stored));
@@ -354,6 +376,9 @@ absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operatio
     const absl::Status done = (*database)->WithSharedUse(DeletionPolicy::kRefuse, cancel);
     // An operation of a deleted database ends by itself.
     if (!done.ok() && !absl::IsNotFound(done)) return done;
+  }
+  if (!is_first && !record.done() && store_->is_shared()) {
+    MOTIONDB_ASSIGN_OR_RETURN(is_first, operations_.CancelAnywhere(operation, cancelled));
   }
   MOTIONDB_ASSIGN_OR_RETURN(auto after, operations_.Get(operation));
   return Cancellation{std::move(after), is_first};

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -152,6 +153,13 @@ class Engine {
   // The same errors, as far as they are known without the content. A later import can still fail.
   absl::Status CheckMayImport(const std::string& database);
 
+  // If several servers share the store, the engine looks every second, and soon after the store has
+  // notified a change, at what the others have changed: databases, clips, models and operations.
+  // LookNow does it soon too.
+  void LookNow();
+  // Calls `follower` with each look, until Drain. Called before calls are served.
+  void AddFollower(std::function<void()> follower);
+
   // Stops builds and ends all waits for operations. Stopped operations stay PENDING for the next
   // server. Queries continue.
   void Drain();
@@ -170,6 +178,8 @@ class Engine {
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
   // Creates the live databases from the store, then makes them visible to callers.
   absl::StatusOr<StoreCounts> Load();
+  // Null: it is not visible.
+  std::shared_ptr<LiveDatabase> FindServed(const std::string& database);
   // Makes databases visible to callers.
   void Show(LiveDatabases& databases);
   // Publishes a staged database and serves it.
@@ -181,7 +191,32 @@ class Engine {
   absl::Status ResumeOperations(const LiveDatabases& databases);
   absl::Status RebuildOutdated(const LiveDatabases& databases);
 
+  // What other servers change (follow_store.cc).
+  void FollowStore();
+  void StopFollowing();
+  void Look();
+  absl::Status LookAtStore() ABSL_EXCLUSIVE_LOCKS_REQUIRED(look_mutex_);
+  // Returns the names of the databases that have changed since the last look.
+  absl::StatusOr<std::set<std::string>> FollowDatabases()
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(look_mutex_);
+  // A database as the last look saw it.
+  struct SeenDatabase {
+    storage::DatabaseState state;
+    std::string marker_set_text;
+  };
+  // Serves a database that another server has created since the last look.
+  void LookFor(const std::string& database);
+  absl::Status FollowDatabase(const storage::DatabaseState& state, SeenDatabase& seen)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(look_mutex_);
+  // Another server has deleted the database. Returns false if running changes take too long; the
+  // next look tries again.
+  bool DropDatabase(const std::shared_ptr<LiveDatabase>& live);
+
+  // Reads the markers of a database without any: a clip on another server may have brought them.
+  absl::Status ReadScheme(LiveDatabase& database);
+
   const EngineOptions options_;
+  const std::string name_;  // of this server, in build leases
   const std::unique_ptr<storage::MotionStore> store_;
   OperationRegistry operations_;
   CorruptionLog damages_;
@@ -196,6 +231,18 @@ class Engine {
   storage::CancellableMutex naming_mutex_;
   storage::Mutex mutex_;
   LiveDatabases databases_ ABSL_GUARDED_BY(mutex_);
+
+  storage::Mutex wake_mutex_;
+  std::unique_ptr<Executor::Timer> wake_
+      ABSL_GUARDED_BY(wake_mutex_);                      // of the look after a change
+  bool is_waking_ ABSL_GUARDED_BY(wake_mutex_) = false;  // whether it is set
+  std::unique_ptr<storage::StoreWatch> watch_;           // from FollowStore to StopFollowing
+
+  storage::Mutex look_mutex_;  // held while the engine looks
+  std::unique_ptr<Executor::Timer> next_look_ ABSL_GUARDED_BY(look_mutex_);
+  std::map<std::string, SeenDatabase> seen_ ABSL_GUARDED_BY(look_mutex_);
+  std::vector<std::function<void()>> followers_ ABSL_GUARDED_BY(look_mutex_);
+  bool sees_store_ ABSL_GUARDED_BY(look_mutex_) = true;  // whether the last look succeeded
 };
 
 }  // namespace motiondb::server

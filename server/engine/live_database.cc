@@ -65,6 +65,11 @@ void LiveDatabase::AddStored(const StoredAmount& amount) {
   Add(amount);
 }
 
+void LiveDatabase::set_stored(const StoredAmount& amount) {
+  const storage::MutexLock lock(mutex_);
+  stored_ = amount;
+}
+
 absl::Status LiveDatabase::Reserve(const StoredAmount& amount, const DatabaseQuota& quota) {
   const storage::MutexLock lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "clips", stored_.clip_count, amount.clip_count,

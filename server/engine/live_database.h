@@ -73,6 +73,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   StoredAmount stored() const;
   void AddStored(const StoredAmount& amount);
+  void set_stored(const StoredAmount& amount);
   // Adds `amount` if the quota allows it. Otherwise RESOURCE_EXHAUSTED, with the stored amount and
   // the name of the setting.
   absl::Status Reserve(const StoredAmount& amount, const DatabaseQuota& quota);

@@ -22,6 +22,11 @@ constexpr int kPauseFactor = 3;
 constexpr milliseconds kMinPause{50};
 constexpr milliseconds kMaxPause{500};  // so that a clip is in the model within a second
 
+// Operations of other servers wait longer: those servers see each ingest, this one only polls.
+constexpr milliseconds kForeignDelay{2000};
+// Time until a build that did not get its lease, or did not reach the store, is tried again.
+constexpr milliseconds kDeferral{1000};
+
 }  // namespace
 
 ModelLifecycle::ModelLifecycle(LiveDatabase& database, const LifecycleServices& services)
@@ -40,13 +45,16 @@ ModelLifecycle::State ModelLifecycle::state() const {
 std::string ModelLifecycle::operation() const {
   const MutexLock lock(mutex_);
   if (running_ != nullptr) return running_->operation;
-  return waiting_.empty() ? "" : waiting_.front();
+  return waiting_.empty() ? "" : waiting_.front().operation;
 }
 
 Executor::Clock::time_point ModelLifecycle::DueTime() const {
-  const auto latest = first_request_ + services_.options.rebuild_delay_limit;
+  const auto latest = std::max(not_before_, first_request_ + services_.options.rebuild_delay_limit);
   if (ingests_ > 0) return latest;
-  return std::min(latest, last_request_ + services_.options.rebuild_delay);
+  const milliseconds delay = std::ranges::all_of(waiting_, &Waiting::is_foreign)
+                                 ? services_.options.rebuild_delay + kForeignDelay
+                                 : services_.options.rebuild_delay;
+  return std::max(not_before_, std::min(latest, last_request_ + delay));
 }
 
 Executor::Work ModelLifecycle::KeepAlive(void (ModelLifecycle::*work)()) {
@@ -77,17 +85,22 @@ void ModelLifecycle::RequestInBackground() {
 absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
     storage::OperationKind kind, const core::Cancelled& cancelled) {
   {
-    const MutexLock lock(mutex_);
     while (true) {
-      if (auto joined = Join(kind)) return *std::move(joined);
-      if (!is_storing_request_) break;
+      std::string last;
+      if (auto joined = Join(kind, last)) return *std::move(joined);
+      const MutexLock lock(mutex_);
+      if (!is_storing_request_) {
+        // Unless another operation has come meanwhile, which may cover this request.
+        if (last != (waiting_.empty() ? "" : waiting_.back().operation)) continue;
+        is_storing_request_ = true;
+        break;
+      }
       const bool stored = changed_.WaitOrCancel(mutex_, cancelled, [this] {
         mutex_.AssertHeld();
         return !is_storing_request_;
       });
       if (!stored) return storage::CancelledInQueue();
     }
-    is_storing_request_ = true;
   }
   const absl::Cleanup stored = [this] {
     const MutexLock lock(mutex_);
@@ -97,16 +110,25 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
   MOTIONDB_ASSIGN_OR_RETURN(auto operation,
                             services_.operations.Create(database_.name(), cancelled, kind));
   const MutexLock lock(mutex_);
-  Enqueue(operation.id);
+  Enqueue({operation.id});
   return operation;
 }
 
-std::optional<storage::OperationRecord> ModelLifecycle::Join(storage::OperationKind kind) {
-  if (waiting_.empty()) return std::nullopt;
-  auto operation = services_.operations.Get(waiting_.back());
-  if (!operation.ok()) return std::nullopt;
+std::optional<storage::OperationRecord> ModelLifecycle::Join(storage::OperationKind kind,
+                                                             std::string& last) {
+  {
+    const MutexLock lock(mutex_);
+    if (waiting_.empty()) return std::nullopt;
+    last = waiting_.back().operation;
+  }
+  auto operation = services_.operations.Get(last);
+  if (!operation.ok() || operation->state != storage::OperationState::kPending) return std::nullopt;
   const bool only_rebuilds = operation->kind == storage::OperationKind::kRebuild;
   if (only_rebuilds && kind == storage::OperationKind::kReprocess) return std::nullopt;
+  const MutexLock lock(mutex_);
+  const auto waiting = std::ranges::find(waiting_, last, &Waiting::operation);
+  if (waiting == waiting_.end()) return std::nullopt;  // it has begun
+  waiting->is_foreign = false;
   last_request_ = services_.executor.Now();
   ArmBuild();
   return *std::move(operation);
@@ -114,17 +136,25 @@ std::optional<storage::OperationRecord> ModelLifecycle::Join(storage::OperationK
 
 void ModelLifecycle::Resume(const std::string& operation) {
   const MutexLock lock(mutex_);
-  Enqueue(operation);
+  Enqueue({operation});
 }
 
-void ModelLifecycle::Enqueue(const std::string& operation) {
-  waiting_.push_back(operation);
-  first_request_ = last_request_ = services_.executor.Now();
+void ModelLifecycle::Enqueue(Waiting waiting) {
+  if (waiting_.empty() || !waiting.is_foreign) {
+    first_request_ = last_request_ = services_.executor.Now();
+  }
+  waiting_.push_back(std::move(waiting));
   if (!is_closed_) retry_->Cancel();
   ArmBuild();
 }
 
+bool ModelLifecycle::Remove(const std::string& operation) {
+  return std::erase_if(waiting_,
+                       [&](const Waiting& waiting) { return waiting.operation == operation; }) > 0;
+}
+
 void ModelLifecycle::ArmBuild() {
+  if (!services_.options.builds) return;
   if (state() == State::kWaiting && purges_ == 0) {
     due_->Set(DueTime(), KeepAlive(&ModelLifecycle::BuildIfDue));
   }
@@ -156,13 +186,13 @@ absl::StatusOr<bool> ModelLifecycle::Cancel(const std::string& operation,
     }
     // Removed from the queue while the cancellation is stored: it neither starts nor joins
     // requests.
-    if (std::erase(waiting_, operation) == 0) return false;
+    if (!Remove(operation)) return false;
     ArmBuild();
   }
   const absl::Status stored = services_.operations.Cancel(operation, cancelled);
   if (stored.ok()) return true;
   const MutexLock lock(mutex_);
-  waiting_.push_front(operation);
+  waiting_.push_front({operation});
   ArmBuild();
   return stored;
 }
@@ -170,7 +200,7 @@ absl::StatusOr<bool> ModelLifecycle::Cancel(const std::string& operation,
 void ModelLifecycle::PurgeUnlessBuilding(const core::Cancelled& cancelled) {
   {
     const MutexLock lock(mutex_);
-    if (running_ != nullptr) return;
+    if (running_ != nullptr || is_shared()) return;  // another server may be building
     ++purges_;
   }
   const absl::Cleanup ended = [this] {
@@ -188,15 +218,20 @@ void ModelLifecycle::BuildIfDue() {
     // The timer may have fired just before it was set again.
     if (state() != State::kWaiting || purges_ > 0 || services_.executor.Now() < DueTime()) return;
     build = running_ = std::make_shared<Build>();
-    build->operation = std::move(waiting_.front());
+    build->operation = std::move(waiting_.front().operation);
     waiting_.pop_front();
   }
   const absl::Status ended = RunBuild(*build);
+  build->lease = nullptr;  // releases it, unless an extension uses it
   const MutexLock lock(mutex_);
   running_ = nullptr;
+  if (build->is_deferred) {
+    waiting_.push_front({build->operation});
+    not_before_ = services_.executor.Now() + kDeferral;
+  }
   ArmBuild();
   const bool out_of_space = absl::IsResourceExhausted(ended) || absl::IsUnavailable(ended);
-  if (out_of_space && !build->stopped() && state() == State::kIdle) {
+  if (out_of_space && !build->is_deferred && !build->stopped() && state() == State::kIdle) {
     retry_->Set(services_.executor.Now() + services_.options.rebuild_retry_delay,
                 KeepAlive(&ModelLifecycle::RequestInBackground));
   }
@@ -205,6 +240,11 @@ void ModelLifecycle::BuildIfDue() {
 
 void ModelLifecycle::RequestUpdate() {
   const MutexLock lock(mutex_);
+  may_extend_ = true;
+  ScheduleUpdate();
+}
+
+void ModelLifecycle::ScheduleUpdate() {
   if (is_closed_ || update_pending_) return;
   update_pending_ = true;
   if (!is_updating_) ArmUpdate(Executor::Clock::duration::zero());
@@ -215,14 +255,16 @@ void ModelLifecycle::ArmUpdate(Executor::Clock::duration rest) {
 }
 
 void ModelLifecycle::UpdateIfOpen() {
+  bool may_extend = false;
   {
     const MutexLock lock(mutex_);
     if (is_closed_) return;
     update_pending_ = false;
     is_updating_ = true;
+    may_extend = std::exchange(may_extend_, false);
   }
   const auto began = services_.executor.Now();
-  UpdateCurrent();
+  UpdateCurrent(may_extend);
   const MutexLock lock(mutex_);
   is_updating_ = false;
   if (update_pending_ && !is_closed_) {
@@ -243,8 +285,8 @@ void ModelLifecycle::Forget() {
   Serve({});
   const MutexLock lock(mutex_);
   Close();
-  for (const std::string& operation : std::exchange(waiting_, {})) {
-    services_.operations.Abandon(operation);
+  for (const Waiting& waiting : std::exchange(waiting_, {})) {
+    services_.operations.Abandon(waiting.operation);
   }
   if (running_ != nullptr) running_->stop = StopReason::kForgotten;
 }

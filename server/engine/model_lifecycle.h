@@ -41,6 +41,17 @@
 // of its build fails or is cancelled: it has newer clips than the stored model. The next build
 // replaces it.
 //
+// Several servers may share the store (MotionStore::is_shared). Then each of them has a lifecycle
+// of the database:
+// - A build, and an extension, needs the lease of the database (BuildLease). A build that does not
+//   get it, or that cannot reach the store, waits for another second.
+// - Unfinished operations of other servers wait here too (Follow), a little longer than there: if
+//   their server has stopped, this one runs them.
+// - A request joins a waiting operation only if it is PENDING in the store. Its server, whichever
+//   it is, then reads the clips later.
+// - The served model follows the stored one (Followed).
+// - A build whose lease another server has taken over is dropped: the store has refused its model.
+//
 // Builds run on Pool::kBuilds, extensions on Pool::kExtensions. They and the timers keep the
 // database alive while they run, not while they wait.
 #pragma once
@@ -51,9 +62,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
+#include "server/engine/build_lease.h"
 #include "server/engine/executor.h"
 #include "server/engine/snapshot.h"
 #include "storage/mutex.h"
@@ -77,6 +90,7 @@ struct LifecycleServices {
   OperationRegistry& operations;
   Executor& executor;
   const EngineOptions& options;
+  std::string holder = {};  // name of this server in leases
 };
 
 // Results and total duration of the builds since the start.
@@ -118,6 +132,9 @@ class ModelLifecycle {
   void Resume(const std::string& operation);
   // Schedules an update of the model by the clips and labels stored by now.
   void RequestUpdate();
+  // Of a shared store: takes over what other servers have changed. `unfinished`: the ids of the
+  // unfinished operations of the database. `is_changed`: the database has changed.
+  void Follow(const std::vector<std::string>& unfinished, bool is_changed);
 
   // Counts an ingest as in flight for as long as it lives.
   class Ingest {
@@ -152,10 +169,18 @@ class ModelLifecycle {
  private:
   enum class State { kIdle, kWaiting, kBuilding, kClosed };
   enum class StopReason { kNone, kCancelled, kForgotten, kShutdown };
+  using Lease = std::shared_ptr<BuildLease>;  // null: the store is not shared, or there is none
+  struct Waiting {
+    std::string operation;
+    bool is_foreign = false;  // another server runs it, unless that has stopped
+  };
   struct Build {
     std::string operation;
+    Lease lease;
+    bool is_deferred = false;  // the operation waits again
     std::atomic<StopReason> stop{StopReason::kNone};
-    bool stopped() const { return stop != StopReason::kNone; }
+    bool is_fenced() const { return lease != nullptr && lease->is_lost(); }
+    bool stopped() const { return stop != StopReason::kNone || is_fenced(); }
     double derived = 0;  // share of the progress used for deriving clips again
   };
   struct Built {
@@ -169,13 +194,15 @@ class ModelLifecycle {
   // Scheduling: the state machine (model_lifecycle.cc).
   State state() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   Executor::Clock::time_point DueTime() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // Returns the waiting operation if it covers this request too.
-  std::optional<storage::OperationRecord> Join(storage::OperationKind kind)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Enqueue(const std::string& operation) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Returns the last waiting operation if it covers this request too. `last`: its id, in any case.
+  std::optional<storage::OperationRecord> Join(storage::OperationKind kind, std::string& last);
+  void Enqueue(Waiting waiting) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Removes an operation from the queue. Returns whether it was there.
+  bool Remove(const std::string& operation) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Close() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Called after each transition: sets the timer of the waiting operation.
   void ArmBuild() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ScheduleUpdate() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ArmUpdate(Executor::Clock::duration rest) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<storage::OperationRecord> RequestStored(storage::OperationKind kind,
                                                          const core::Cancelled& cancelled);
@@ -186,6 +213,25 @@ class ModelLifecycle {
   void UpdateIfOpen();
   // Wraps `work` so that it keeps the database alive while it runs.
   Executor::Work KeepAlive(void (ModelLifecycle::*work)());
+
+  // The part for a shared store (model_lifecycle_shared.cc).
+  bool is_shared() const { return services_.store.is_shared(); }
+  // Returns the lease of the database, which users share; null if the store is not shared. ABORTED
+  // if another server has it.
+  absl::StatusOr<Lease> AcquireLease();
+  // Returns the lease if this server has it.
+  Lease HeldLease();
+  // Returns whether a model may be stored with this lease.
+  bool MayStore(const Lease& lease) const { return !is_shared() || lease != nullptr; }
+  storage::ModelTerms TermsOf(const Lease& lease) const;
+  // Returns the stored model if it is newer. REQUIRES: within Replace.
+  absl::StatusOr<ServedModel> Followed(ServedModel served);
+  absl::StatusOr<ServedModel> ReadNewer(const ServedModel& served, storage::ModelRecord newest);
+  // Sets the amount of the database that is stored now, by all servers.
+  void CountStored();
+  // Ends a build that needs to run again or that another server has taken over. Returns whether it
+  // was one.
+  bool EndUnfinished(Build& build, const absl::Status& built);
 
   // Replacements of the model (model_lifecycle_work.cc).
   absl::Status Replace(const Replacement& next);
@@ -198,7 +244,7 @@ class ModelLifecycle {
   // Returns the result as text for the operator; empty if there was nothing to derive.
   absl::StatusOr<std::string> DeriveOutdated(Build& build);
   // Uses the clips whose states are of the current representation version.
-  absl::StatusOr<Built> BuildUntilStored(const Build& build);
+  absl::StatusOr<Built> BuildUntilStored(Build& build);
   // ABORTED if a clip of the model was deleted meanwhile.
   // `revision`: that the clips have at least.
   absl::StatusOr<Built> BuildAndStore(const Build& build,
@@ -207,14 +253,17 @@ class ModelLifecycle {
   // Fits the metric and the calibration of the current model to its labels.
   absl::StatusOr<Built> RefitAndStore(const Build& build);
   // Serves the model with the calibration of its predecessor.
-  absl::Status ServeBorrowing(core::Model model, std::int64_t revision);
+  absl::Status ServeBorrowing(core::Model model, std::int64_t revision, const Lease& lease);
   // Returns the version.
-  absl::StatusOr<int> StoreAndServe(core::Model model, std::int64_t revision);
+  absl::StatusOr<int> StoreAndServe(core::Model model, std::int64_t revision, const Lease& lease);
 
   // Updates of the model (model_lifecycle_update.cc).
-  void UpdateCurrent();
+  // `may_extend`: acquires the lease to extend the model, if there is need.
+  void UpdateCurrent(bool may_extend);
   // Returns the model with the clips and labels that are stored now. REQUIRES: within Replace.
-  absl::StatusOr<ServedModel> Updated(ServedModel served, const core::ParallelFor& parallel);
+  // Extends it only if MayStore(lease).
+  absl::StatusOr<ServedModel> Updated(ServedModel served, const Lease& lease,
+                                      const core::ParallelFor& parallel);
   // Returns the model, which is not null, with the stored labels of its clips.
   absl::StatusOr<ServedModel> Relabelled(ServedModel served);
   // The same with the labels of a catalog. `staleness`: of the model, found after the catalog was
@@ -230,14 +279,22 @@ class ModelLifecycle {
   // if `snapshot` is stored. REQUIRES: within Replace; it is extensible.
   absl::StatusOr<std::shared_ptr<const Snapshot>> Extended(std::shared_ptr<const Snapshot> snapshot,
                                                            storage::ModelStaleness& staleness,
+                                                           const Lease& lease,
                                                            const core::ParallelFor& parallel);
   absl::StatusOr<bool> HasAllClips(const Snapshot& snapshot);
   // Leaves the store without a current model.
-  absl::Status DropStored();
+  absl::Status DropStored(const Lease& lease);
   void PurgeDeletedClips(const core::Cancelled& cancelled);
 
   LiveDatabase& database_;
   const LifecycleServices services_;
+
+  // Version of the current model in the store, as this server knows it; 0: none; -1: unknown.
+  // Changes only within Replace.
+  std::atomic<std::int32_t> stored_version_{-1};
+
+  storage::Mutex lease_mutex_;  // held while the lease is acquired
+  std::weak_ptr<BuildLease> lease_ ABSL_GUARDED_BY(lease_mutex_);
 
   // Held from reading the current model to serving the next, so that no replacement is lost. Lock
   // order: before LiveDatabase::WithSharedUse and mutex_.
@@ -247,7 +304,9 @@ class ModelLifecycle {
   storage::ConditionVariable changed_;
   ServedModel served_ ABSL_GUARDED_BY(mutex_);
   RebuildTally rebuilds_ ABSL_GUARDED_BY(mutex_);
-  std::deque<std::string> waiting_ ABSL_GUARDED_BY(mutex_);  // more than one only after a restart
+  // More than one only after a restart, and if several servers share the store.
+  std::deque<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
+  Executor::Clock::time_point not_before_ ABSL_GUARDED_BY(mutex_);  // of the next build
   std::shared_ptr<Build> running_ ABSL_GUARDED_BY(mutex_);
   bool is_storing_request_ ABSL_GUARDED_BY(mutex_) = false;
   bool is_closed_ ABSL_GUARDED_BY(mutex_) = false;
@@ -256,6 +315,7 @@ class ModelLifecycle {
   int ingests_ ABSL_GUARDED_BY(mutex_) = 0;              // in flight
   int purges_ ABSL_GUARDED_BY(mutex_) = 0;               // running
   bool update_pending_ ABSL_GUARDED_BY(mutex_) = false;  // for its timer or the running one
+  bool may_extend_ ABSL_GUARDED_BY(mutex_) = false;      // whether that acquires the lease
   bool is_updating_ ABSL_GUARDED_BY(mutex_) = false;
   // Null once closed: the executor may be destroyed before the database.
   std::unique_ptr<Executor::Timer> due_ ABSL_GUARDED_BY(mutex_);

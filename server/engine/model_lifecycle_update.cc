@@ -30,10 +30,18 @@ bool IsExtensible(const Snapshot& snapshot) {
 
 }  // namespace
 
-void ModelLifecycle::UpdateCurrent() {
+void ModelLifecycle::UpdateCurrent(bool may_extend) {
   const absl::Status status = WithoutExceptions<absl::Status>([&] {
-    return Replace(
-        [&](ServedModel current) { return Updated(std::move(current), core::RunSerially); });
+    if (is_shared()) CountStored();
+    const SnapshotPointer current = snapshot();
+    may_extend =
+        may_extend && services_.options.builds && current != nullptr && IsExtensible(*current);
+    // Without the lease, the server that has it or the next build adds the clips.
+    const Lease lease = may_extend ? AcquireLease().value_or(nullptr) : HeldLease();
+    return Replace([&](ServedModel served) -> absl::StatusOr<ServedModel> {
+      MOTIONDB_ASSIGN_OR_RETURN(served, Followed(std::move(served)));
+      return Updated(std::move(served), lease, core::RunSerially);
+    });
   });
   if (!status.ok() && !absl::IsNotFound(status)) {
     spdlog::error("database '{}': update failed, changes wait for the next build: {}",
@@ -41,7 +49,7 @@ void ModelLifecycle::UpdateCurrent() {
   }
 }
 
-absl::StatusOr<ServedModel> ModelLifecycle::Updated(ServedModel served,
+absl::StatusOr<ServedModel> ModelLifecycle::Updated(ServedModel served, const Lease& lease,
                                                     const core::ParallelFor& parallel) {
   if (served.snapshot == nullptr) return served;
   // First: a clip that is stored after the catalog was read belongs to a later revision.
@@ -49,12 +57,12 @@ absl::StatusOr<ServedModel> ModelLifecycle::Updated(ServedModel served,
   // Corrupt annotations do not keep clips out of the model.
   if (!catalog.ok() && !absl::IsDataLoss(catalog.status())) return catalog.status();
   const bool has_new_labels = catalog.ok() && (*catalog)->revision() != served.revision;
-  const bool is_extensible = IsExtensible(*served.snapshot);
+  const bool is_extensible = MayStore(lease) && IsExtensible(*served.snapshot);
   if (!is_extensible && !has_new_labels) return served;
   MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(database_.name()));
   if (is_extensible) {
     MOTIONDB_ASSIGN_OR_RETURN(served.snapshot,
-                              Extended(std::move(served.snapshot), staleness, parallel));
+                              Extended(std::move(served.snapshot), staleness, lease, parallel));
   }
   if (!has_new_labels) return served;
   return WithLabelsOf(**catalog, staleness, std::move(served));
@@ -100,6 +108,7 @@ bool ModelLifecycle::HasChangesOf(const Snapshot& snapshot, const Catalog& catal
 
 absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapshot,
                                                          storage::ModelStaleness& staleness,
+                                                         const Lease& lease,
                                                          const core::ParallelFor& parallel) {
   const std::string& name = database_.name();
   // A model with outdated states of clips is not extended: it will be replaced.
@@ -117,10 +126,11 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
   if (!extended) return snapshot;
   const double drift = extended->drift.stale;
   auto record = snapshot->is_stored()
-                    ? services_.store.PutExtension(name, extended->model, drift)
+                    ? services_.store.PutExtension(name, extended->model, drift, TermsOf(lease))
                     : ModelRecordOf(name, snapshot->record.version, extended->model, drift);
   if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
   if (!record.ok()) return record.status();
+  if (snapshot->is_stored()) stored_version_ = record->version;
   for (const core::ModelClip& clip : extended->model.clips()) known.insert(clip.id);
   std::erase_if(staleness.missing, is_known);
   spdlog::info(

@@ -56,13 +56,17 @@ bool TakesClips(const EngineOptions& options, double build_seconds) {
 void ModelLifecycle::LoadStored(CorruptionLog& corruptions) {
   const std::string& name = database_.name();
   auto model = services_.store.ReadModel(name, services_.executor.Parallel(Pool::kRequests));
-  if (absl::IsNotFound(model.status())) return;
+  if (absl::IsNotFound(model.status())) {
+    stored_version_ = 0;
+    return;
+  }
   auto newest = services_.store.ListModels(name, 0, 1);
   const absl::Status status = model.ok() ? newest.status() : model.status();
   if (status.ok() && !newest->empty()) {
     const bool is_extensible = TakesClips(services_.options, newest->front().build_seconds);
     auto snapshot = std::make_shared<const Snapshot>(
         Snapshot{newest->front(), *std::move(model), Calibration::kOwn, is_extensible});
+    stored_version_ = snapshot->record.version;
     // Without current labels if they cannot be read.
     auto relabelled = Relabelled({snapshot, 0});
     return Serve(relabelled.ok() ? *std::move(relabelled) : ServedModel{std::move(snapshot), 0});
@@ -70,6 +74,7 @@ void ModelLifecycle::LoadStored(CorruptionLog& corruptions) {
   spdlog::error("database '{}': cannot read the stored model: {}", name, status.ToString());
   if (!absl::IsDataLoss(status)) return;
   const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
+  stored_version_ = version;
   corruptions.Note(
       {fmt::format("databases/{}/models/{}", name, version), std::string(status.message())});
 }
@@ -113,11 +118,21 @@ absl::Status ModelLifecycle::RunBuild(Build& build) {
     });
   };
   const auto began = services_.executor.Now();
-  unless_deleted([&] {
-    services_.operations.Start(build.operation);
-  }).IgnoreError();  // the build detects the deletion itself
-  const auto built =
-      WithoutExceptions<absl::StatusOr<Built>>([&] { return DeriveAndBuild(build); });
+  auto lease = AcquireLease();
+  bool is_mine = lease.ok();
+  if (is_mine) {
+    build.lease = *std::move(lease);
+    unless_deleted([&] {
+      is_mine = services_.operations.Start(build.operation);
+    }).IgnoreError();  // the build detects the deletion itself
+    // Otherwise another server has run it.
+    if (!is_mine) return absl::OkStatus();
+  }
+  const auto built = WithoutExceptions<absl::StatusOr<Built>>([&]() -> absl::StatusOr<Built> {
+    if (!is_mine) return lease.status();
+    return DeriveAndBuild(build);
+  });
+  if (EndUnfinished(build, built.status())) return built.status();
   const std::chrono::duration<double> took = services_.executor.Now() - began;
   {
     // Before the operation ends, so that its waiters see the count.
@@ -187,9 +202,10 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
                      done.failed);
 }
 
-absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Build& build) {
+absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(Build& build) {
   absl::StatusOr<Built> built = absl::AbortedError("");
   for (int attempt = 0; attempt < kAttempts && absl::IsAborted(built.status()); ++attempt) {
+    if (attempt > 0 && build.lease != nullptr && !build.lease->Renew()) return built;
     // First: the model then has at least the changes up to this revision.
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision,
                               services_.store.annotations().Revision(database_.name()));
@@ -204,12 +220,15 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Bui
                             database_.underived().begin()->second);
     }
     const Replacement without_build = [&](ServedModel current) -> absl::StatusOr<ServedModel> {
+      auto followed = Followed(std::move(current));
+      if (!followed.ok() && !absl::IsDataLoss(followed.status())) return followed.status();
+      current = followed.ok() ? *std::move(followed) : ServedModel();
       if (clips.empty()) {
-        MOTIONDB_RETURN_IF_ERROR(DropStored());
+        MOTIONDB_RETURN_IF_ERROR(DropStored(build.lease));
         current = {nullptr, revision};
       } else {
-        MOTIONDB_ASSIGN_OR_RETURN(current,
-                                  Updated(current, services_.executor.Parallel(Pool::kBuilds)));
+        MOTIONDB_ASSIGN_OR_RETURN(
+            current, Updated(current, build.lease, services_.executor.Parallel(Pool::kBuilds)));
         if (const SnapshotPointer& model = current.snapshot; model != nullptr) {
           MOTIONDB_ASSIGN_OR_RETURN(const bool has_all, HasAllClips(*model));
           is_up_to_date = has_all && model->has_fitted_labels;
@@ -233,8 +252,9 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Bui
   return built;
 }
 
-absl::Status ModelLifecycle::DropStored() {
-  absl::Status dropped = services_.store.DropModel(database_.name());
+absl::Status ModelLifecycle::DropStored(const Lease& lease) {
+  absl::Status dropped = services_.store.DropModel(database_.name(), TermsOf(lease));
+  if (dropped.ok()) stored_version_ = 0;
   return absl::IsNotFound(dropped) ? absl::OkStatus() : dropped;
 }
 
@@ -248,7 +268,8 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::RefitAndStore(const Build&
   const ServedModel before = served();
   MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
                             core::RefitLabels(before.snapshot->model, parallel, progress));
-  MOTIONDB_ASSIGN_OR_RETURN(const int version, StoreAndServe(std::move(model), before.revision));
+  MOTIONDB_ASSIGN_OR_RETURN(const int version,
+                            StoreAndServe(std::move(model), before.revision, build.lease));
   return Built{version, "labels refitted"};
 }
 
@@ -276,7 +297,7 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
                                                             parallel, progress(0, kBuildShare)));
   set_seconds(model);
   SnapshotPointer before = snapshot();
-  MOTIONDB_RETURN_IF_ERROR(ServeBorrowing(model, revision));
+  MOTIONDB_RETURN_IF_ERROR(ServeBorrowing(model, revision, build.lease));
   Built built{.difference = DifferenceText(before.get(), model, parallel)};
   before.reset();  // frees its memory for the calibration
 
@@ -284,12 +305,14 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
       core::Calibrate(model, parallel, progress(kBuildShare, kCalibrateShare)));
   set_seconds(model);
   if (!advance(kBuildShare + kCalibrateShare, "storing")) return absl::CancelledError("stopped");
-  MOTIONDB_ASSIGN_OR_RETURN(built.version, StoreAndServe(std::move(model), revision));
+  MOTIONDB_ASSIGN_OR_RETURN(built.version, StoreAndServe(std::move(model), revision, build.lease));
   return built;
 }
 
-absl::Status ModelLifecycle::ServeBorrowing(core::Model model, std::int64_t revision) {
+absl::Status ModelLifecycle::ServeBorrowing(core::Model model, std::int64_t revision,
+                                            const Lease& lease) {
   return Replace([&](const ServedModel& current) -> absl::StatusOr<ServedModel> {
+    if (lease != nullptr && lease->is_lost()) return absl::AbortedError("the lease is lost");
     const SnapshotPointer& before = current.snapshot;
     const bool can_borrow = before != nullptr && before->calibration != Calibration::kTypical;
     if (can_borrow) {
@@ -306,25 +329,26 @@ absl::Status ModelLifecycle::ServeBorrowing(core::Model model, std::int64_t revi
     const auto snapshot = std::make_shared<const Snapshot>(
         Snapshot{std::move(record), std::move(model),
                  can_borrow ? Calibration::kPrevious : Calibration::kTypical, is_extensible});
-    return Updated({snapshot, revision}, services_.executor.Parallel(Pool::kBuilds));
+    return Updated({snapshot, revision}, lease, services_.executor.Parallel(Pool::kBuilds));
   });
 }
 
-absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model, std::int64_t revision) {
+absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model, std::int64_t revision,
+                                                  const Lease& lease) {
   int version = 0;
   MOTIONDB_RETURN_IF_ERROR(Replace([&](const ServedModel&) -> absl::StatusOr<ServedModel> {
-    auto record = services_.store.PutModel(database_.name(), model);
+    auto record = services_.store.PutModel(database_.name(), model, TermsOf(lease));
     if (!record.ok()) {
       return absl::IsNotFound(record.status())
                  ? absl::AbortedError(
                        "clips were deleted during each build; delete or ingest a clip to try again")
                  : record.status();
     }
-    version = record->version;
+    version = stored_version_ = record->version;
     const bool is_extensible = TakesClips(services_.options, record->build_seconds);
     const auto stored = std::make_shared<const Snapshot>(
         Snapshot{*std::move(record), std::move(model), Calibration::kOwn, is_extensible});
-    auto updated = Updated({stored, revision}, services_.executor.Parallel(Pool::kBuilds));
+    auto updated = Updated({stored, revision}, lease, services_.executor.Parallel(Pool::kBuilds));
     // The built model is stored: what changed meanwhile can wait for the next update.
     if (!updated.ok()) {
       spdlog::warn("database '{}': model {} could not be updated by changes during its build: {}",

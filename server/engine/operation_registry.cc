@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -64,11 +65,16 @@ absl::StatusOr<OperationRecord> OperationRegistry::Add(OperationRecord record,
 }
 
 absl::StatusOr<OperationRecord> OperationRegistry::Get(const std::string& id) {
+  std::optional<OperationRecord> known;
   {
     const storage::MutexLock lock(mutex_);
-    if (const auto live = live_.find(id); live != live_.end()) return live->second.record;
+    const auto live = live_.find(id);
+    if (live != live_.end() && IsNewest(live->second)) return live->second.record;
+    if (live != live_.end()) known = live->second.record;
   }
-  return store_.GetOperation(id);
+  auto stored = store_.GetOperation(id);
+  if (known && absl::IsUnavailable(stored.status())) return *std::move(known);
+  return stored;
 }
 
 absl::StatusOr<std::vector<OperationRecord>> OperationRegistry::List(const std::string& database,
@@ -77,16 +83,27 @@ absl::StatusOr<std::vector<OperationRecord>> OperationRegistry::List(const std::
   MOTIONDB_ASSIGN_OR_RETURN(auto records, store_.ListOperations(database, before, limit));
   const storage::MutexLock lock(mutex_);
   for (OperationRecord& record : records) {
-    if (const auto live = live_.find(record.id); live != live_.end()) record = live->second.record;
+    const auto live = live_.find(record.id);
+    if (live != live_.end() && IsNewest(live->second)) record = live->second.record;
   }
   return records;
 }
 
-void OperationRegistry::Start(const std::string& id) {
+bool OperationRegistry::Start(const std::string& id) {
   Change(id, Durability::kStored, [](OperationRecord& record) {
     record.state = OperationState::kRunning;
     record.stage = "starting";
   }).IgnoreError();
+  const storage::MutexLock lock(mutex_);
+  const auto live = live_.find(id);
+  if (live == live_.end()) return !is_shared_;
+  live->second.is_here = true;
+  return true;
+}
+
+void OperationRegistry::HandOver(const std::string& id) {
+  const storage::MutexLock lock(mutex_);
+  if (const auto live = live_.find(id); live != live_.end()) live->second.is_here = false;
 }
 
 void OperationRegistry::Advance(const std::string& id, double progress, std::string_view stage) {
@@ -98,6 +115,7 @@ void OperationRegistry::Advance(const std::string& id, double progress, std::str
 
 void OperationRegistry::Postpone(const std::string& id) {
   Change(id, Durability::kStored, MakePending).IgnoreError();
+  HandOver(id);
 }
 
 void OperationRegistry::Succeed(const std::string& id, int model_version,
@@ -121,6 +139,53 @@ void OperationRegistry::Fail(const std::string& id, const absl::Status& error) {
 absl::Status OperationRegistry::Cancel(const std::string& id, const core::Cancelled& cancelled) {
   const auto end = [](OperationRecord& record) { record.state = OperationState::kCancelled; };
   return Change(id, Durability::kStored, end, cancelled);
+}
+
+absl::StatusOr<bool> OperationRegistry::CancelAnywhere(const std::string& id,
+                                                       const core::Cancelled& cancelled) {
+  MOTIONDB_ASSIGN_OR_RETURN(const OperationRecord record, store_.GetOperation(id));
+  if (record.done()) return false;
+  Observe(record);
+  MOTIONDB_RETURN_IF_ERROR(Cancel(id, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(const OperationRecord after, Get(id));
+  return after.state == OperationState::kCancelled;
+}
+
+void OperationRegistry::Observe(const OperationRecord& stored) {
+  std::map<std::uint64_t, Watcher> watchers;
+  {
+    const storage::MutexLock lock(mutex_);
+    const auto live = live_.try_emplace(stored.id).first;
+    if (live->second.is_here || !live->second.stored) return;
+    live->second.record = stored;
+    if (!stored.done()) return;
+    watchers = std::exchange(live->second.watchers, {});
+    live_.erase(live);
+  }
+  for (const auto& [key, watcher] : watchers) watcher(stored);
+}
+
+void OperationRegistry::Follow(const std::vector<OperationRecord>& unfinished) {
+  std::map<std::string, OperationRecord> ended;  // perhaps: those that are not in the list
+  {
+    const storage::MutexLock lock(mutex_);
+    for (const auto& [id, live] : live_) {
+      if (!live.is_here && live.stored) ended.emplace(id, live.record);
+    }
+  }
+  for (const OperationRecord& record : unfinished) {
+    ended.erase(record.id);
+    Observe(record);
+  }
+  for (auto& [id, record] : ended) {
+    const auto stored = store_.GetOperation(id);
+    if (stored.ok()) {
+      Observe(*stored);
+    } else if (absl::IsNotFound(stored.status())) {  // deleted with its database
+      record.state = OperationState::kCancelled;
+      Observe(record);
+    }
+  }
 }
 
 void OperationRegistry::Abandon(const std::string& id) {
@@ -149,6 +214,12 @@ absl::Status OperationRegistry::Change(const std::string& id, Durability durabil
   if (durability == Durability::kStored) {
     stored = store_.PutOperation(record, cancelled);
     if (absl::IsCancelled(stored)) return stored;
+    // Another server has ended it.
+    if (absl::IsAborted(stored)) {
+      const auto ended = store_.GetOperation(id);
+      if (ended.ok()) record = *ended;
+      stored = ended.status();
+    }
     // The rows of its operations were deleted with the database.
     if (absl::IsNotFound(stored)) stored = absl::OkStatus();
     if (is_stored && !stored.ok()) LogUnstored(id, stored);
@@ -172,6 +243,11 @@ absl::Status OperationRegistry::Change(const std::string& id, Durability durabil
 }
 
 std::uint64_t OperationRegistry::Watch(const std::string& id, Watcher watcher) {
+  if (is_shared_) {
+    // Follow has not seen the newest operations of other servers.
+    const auto stored = store_.GetOperation(id);
+    if (stored.ok()) Observe(*stored);
+  }
   const storage::MutexLock lock(mutex_);
   const auto live = live_.find(id);
   if (live == live_.end() || live->second.record.done() || released_) return 0;

@@ -3,6 +3,10 @@
 // example on a full disk, is kept in memory only and logged once; the work it represents continues.
 // A later change of it may be stored. Callbacks run on the thread that ends an operation, without a
 // lock held.
+//
+// If several servers share the store, each keeps the unfinished operations of all in memory, as
+// Follow saw them last, for waits; Get and List read the store, except for the progress of
+// operations that run on this server.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +28,8 @@ class OperationRegistry {
   using Watcher = std::function<void(const storage::OperationRecord&)>;
 
   // The store must outlive the registry.
-  explicit OperationRegistry(storage::MotionStore& store) : store_(store) {}
+  explicit OperationRegistry(storage::MotionStore& store)
+      : store_(store), is_shared_(store.is_shared()) {}
 
   // Creates a PENDING operation and tries to store it. Ids are unique across restarts and ascend
   // with time. NOT_FOUND, here and in Adopt, if the database does not exist. CANCELLED, here and in
@@ -42,17 +47,24 @@ class OperationRegistry {
   absl::StatusOr<std::vector<storage::OperationRecord>> List(const std::string& database,
                                                              const std::string& before, int limit);
 
-  // PENDING -> RUNNING.
-  void Start(const std::string& id);
+  // PENDING -> RUNNING, on this server. Returns false if another server has ended the operation.
+  bool Start(const std::string& id);
   // Sets the progress of a running operation, in memory only, so frequent calls are cheap.
   void Advance(const std::string& id, double progress, std::string_view stage);
   // RUNNING -> PENDING: the next server resumes it.
   void Postpone(const std::string& id);
+  // Stores nothing: another server has taken over the operation.
+  void HandOver(const std::string& id);
   // To a final state. `model_version` 0: no clip was left to build from. The stage becomes "done",
   // followed by `remark`.
   void Succeed(const std::string& id, int model_version, const std::string& remark = "");
   void Fail(const std::string& id, const absl::Status& error);
   absl::Status Cancel(const std::string& id, const core::Cancelled& cancelled = {});
+  // The same for an operation that may be another server's, which then stops it. Returns false if
+  // it has already ended.
+  absl::StatusOr<bool> CancelAnywhere(const std::string& id, const core::Cancelled& cancelled = {});
+  // Takes over what other servers have changed. `unfinished`: as MotionStore lists them.
+  void Follow(const std::vector<storage::OperationRecord>& unfinished);
   // CANCELLED, in memory only: its row is deleted with its database.
   void Abandon(const std::string& id);
 
@@ -67,7 +79,8 @@ class OperationRegistry {
   struct Live {
     storage::OperationRecord record;
     std::map<std::uint64_t, Watcher> watchers;
-    bool stored = true;  // whether the last durable change was stored
+    bool stored = true;    // whether the last durable change was stored
+    bool is_here = false;  // whether it runs on this server
   };
   enum class Durability { kStored, kInMemory };
 
@@ -77,8 +90,13 @@ class OperationRegistry {
   absl::Status Change(const std::string& id, Durability durability,
                       const std::function<void(storage::OperationRecord&)>& change,
                       const core::Cancelled& cancelled = {});
+  // Sets the record of an operation that does not run here to the stored one.
+  void Observe(const storage::OperationRecord& stored);
+  // Whether the record in memory is as new as the stored one.
+  bool IsNewest(const Live& live) const { return !is_shared_ || live.is_here || !live.stored; }
 
   storage::MotionStore& store_;
+  const bool is_shared_;
   storage::Mutex mutex_;
   std::map<std::string, Live> live_ ABSL_GUARDED_BY(mutex_);
   std::uint64_t next_key_ ABSL_GUARDED_BY(mutex_) = 1;

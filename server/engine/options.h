@@ -33,6 +33,8 @@ struct EngineOptions {
   // proportionally fewer for more markers. More than an hour at 60 Hz.
   int max_frames = 250'000;
   std::size_t max_databases = 1000;
+  // Whether this server builds models. If not, another server that shares the store must.
+  bool builds = true;
   DatabaseQuota quota;
 };
 

@@ -2,6 +2,7 @@
 // operations.
 #include <spdlog/spdlog.h>
 
+#include <set>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -19,6 +20,7 @@ absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::Mo
     engine->damages_.Note(corruption);
   }
   MOTIONDB_RETURN_IF_ERROR(engine->Load().status());
+  if (engine->store_->is_shared()) engine->FollowStore();
   return engine;
 }
 
@@ -96,6 +98,7 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
 }
 
 absl::Status Engine::ResumeOperations(const LiveDatabases& databases) {
+  if (store_->is_shared()) return absl::OkStatus();  // Look finds them
   constexpr int kLimit = 1000;
   std::vector<storage::OperationRecord> unfinished;  // newest first
   std::string before;
@@ -118,8 +121,13 @@ absl::Status Engine::ResumeOperations(const LiveDatabases& databases) {
 }
 
 absl::Status Engine::RebuildOutdated(const LiveDatabases& databases) {
+  std::set<std::string> with_operation;
+  if (store_->is_shared()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto unfinished, store_->ListUnfinishedOperations());
+    for (const auto& operation : unfinished) with_operation.insert(operation.database);
+  }
   for (const auto& [name, live] : databases) {
-    if (!live->lifecycle().operation().empty()) continue;
+    if (!live->lifecycle().operation().empty() || with_operation.contains(name)) continue;
     const auto up_to_date = live->lifecycle().IsUpToDate();
     if (absl::IsDataLoss(up_to_date.status())) {
       damages_.Note({"databases/" + name, std::string(up_to_date.status().message())});

@@ -29,6 +29,7 @@ void SetRecord(const storage::ClipRecord& record, CatalogClip& clip) {
   clip.edit_time_us = record.edit_time_us;
   clip.tags = record.tags;
   clip.fields = record.fields;
+  clip.byte_count = record.byte_count;
   clip.is_stored = true;
 }
 

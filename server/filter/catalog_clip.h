@@ -46,6 +46,7 @@ struct CatalogClip {
   std::string file_name;
   std::string take;
   std::string description;
+  std::int64_t byte_count = 0;  // of its blobs
 };
 
 CatalogSegment ToCatalogSegment(const storage::SegmentRecord& record);

@@ -81,8 +81,8 @@ absl::Status ListDatabases(const Call& call, const v1::ListDatabasesRequest& req
   const auto make = [&](const storage::DatabaseRecord& record, v1::Database& to) {
     if (const auto live = call.engine.FindDatabase(record.name); live.ok()) {
       SetDatabase(record, **live, to);
-    } else {  // deleted after it was listed: only its settings
-      SetDatabase(record, LiveDatabase(record.name, record.settings), to);
+    } else {  // deleted after it was listed, or not yet served here: only its settings
+      SetDatabaseSettings(record, to);
     }
   };
   response.set_next_page_token(FillPageFrom(records, size, kScope, *response.mutable_databases(),

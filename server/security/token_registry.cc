@@ -134,6 +134,20 @@ absl::StatusOr<storage::TokenRecord> TokenRegistry::Revoke(const std::string& id
   return record;
 }
 
+absl::Status TokenRegistry::FollowRevocations() {
+  std::string after;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto page, store_.ListTokens(after, kPageSize));
+    if (page.empty()) return absl::OkStatus();
+    after = page.back().id;
+    const storage::MutexLock lock(mutex_);
+    for (const storage::TokenRecord& record : page) {
+      if (record.revoke_time_us == 0) continue;
+      if (const auto found = known_.find(record.id); found != known_.end()) found->second->End();
+    }
+  }
+}
+
 std::int64_t TokenRegistry::revocations() const {
   const storage::MutexLock lock(mutex_);
   return revocations_;

@@ -87,6 +87,10 @@ class TokenRegistry {
                                               const storage::WriteOptions& terms = {},
                                               LastAdmin last_admin = LastAdmin::kMayRevoke);
 
+  // Ends the tokens in memory that another server has revoked. Reads all tokens. Returns errors of
+  // the store.
+  absl::Status FollowRevocations();
+
   // Returns whether a valid admin token for all databases exists at `now_us`. Returns errors of the
   // store.
   absl::StatusOr<bool> HasAdmin(std::int64_t now_us) { return HasAdminBeside("", now_us); }

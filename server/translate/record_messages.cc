@@ -139,8 +139,7 @@ absl::StatusOr<MarkerSetSetting> ParseMarkerSet(const v1::Database& database) {
   return AtField(own ? "database.marker_set_file" : "database.marker_set", setting.status());
 }
 
-void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live,
-                 v1::Database& message) {
+void SetDatabaseSettings(const storage::DatabaseRecord& record, v1::Database& message) {
   message.set_name(DatabaseName(record.name));
   message.set_frame_rate_hz(record.settings.frame_rate_hz);
   message.set_min_frames(record.settings.min_frames);
@@ -150,6 +149,11 @@ void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live
   const bool own = record.marker_set != kStandardMarkerSet && record.marker_set != kSourceMarkerSet;
   if (own) message.set_marker_set_file(text::ValidUtf8(record.marker_set_text));
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
+}
+
+void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live,
+                 v1::Database& message) {
+  SetDatabaseSettings(record, message);
   if (const auto scheme = live.scheme(); scheme.ok() && *scheme != nullptr) {
     for (const std::string& marker : (*scheme)->set.markers) {
       message.add_marker_names(text::ValidUtf8(marker));

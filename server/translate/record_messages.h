@@ -44,6 +44,7 @@ void SetModelStatistics(const storage::ModelRecord& record, Message& message) {
   message.set_drift_fraction(record.drift_fraction);
 }
 
+void SetDatabaseSettings(const storage::DatabaseRecord& record, v1::Database& message);
 void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live,
                  v1::Database& message);
 // `snapshot` may be null.

@@ -52,9 +52,9 @@ def downgrade(store):
     database.execute("ALTER TABLE clip ADD COLUMN label TEXT NOT NULL DEFAULT ''")
     database.execute("UPDATE clip SET label = ifnull((SELECT label FROM segment "
                      "WHERE segment.clip_key = clip.clip_key), '')")
-    for table in ("segment", "tombstone", "edit", "clip_text"):
+    for table in ("build_lease", "segment", "tombstone", "edit", "clip_text"):
         database.execute(f"DROP TABLE {table}")
-    for index in ("clip_by_revision", "model_by_revision"):
+    for index in ("clip_by_revision", "model_by_revision", "unfinished_operation"):
         database.execute(f"DROP INDEX {index}")
     for table, columns in ANNOTATION_COLUMNS.items():
         for column in columns:

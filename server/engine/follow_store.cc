@@ -1,0 +1,183 @@
+// How an Engine follows the changes that other servers make in a shared store.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/engine/clock.h"
+#include "server/engine/engine.h"
+
+namespace motiondb::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLookPeriod{1000};
+// From a notification to the look: a burst of them causes one.
+constexpr milliseconds kWakeDelay{50};
+// Longest wait for running changes of a database that another server has deleted.
+constexpr milliseconds kMaxDropWait{500};
+
+}  // namespace
+
+void Engine::FollowStore() {
+  {
+    const storage::MutexLock lock(look_mutex_);
+    next_look_ = workers_.MakeTimer(Pool::kChanges);
+    next_look_->Set(workers_.Now(), [this] { Look(); });
+  }
+  {
+    const storage::MutexLock lock(wake_mutex_);
+    wake_ = workers_.MakeTimer(Pool::kChanges);
+  }
+  watch_ = store_->WatchChanges([this](const storage::StoreChange&) { LookNow(); });
+}
+
+void Engine::LookNow() {
+  const storage::MutexLock lock(wake_mutex_);
+  if (wake_ == nullptr || is_waking_) return;
+  is_waking_ = true;
+  wake_->Set(workers_.Now() + kWakeDelay, [this] {
+    {
+      const storage::MutexLock lock(wake_mutex_);
+      is_waking_ = false;
+    }
+    Look();
+  });
+}
+
+void Engine::StopFollowing() {
+  watch_ = nullptr;
+  {
+    const storage::MutexLock lock(wake_mutex_);
+    wake_ = nullptr;
+  }
+  const storage::MutexLock lock(look_mutex_);
+  next_look_ = nullptr;
+  followers_.clear();
+}
+
+void Engine::AddFollower(std::function<void()> follower) {
+  const storage::MutexLock lock(look_mutex_);
+  followers_.push_back(std::move(follower));
+}
+
+void Engine::Look() {
+  const storage::MutexLock lock(look_mutex_);
+  if (next_look_ == nullptr) return;  // draining
+  const absl::Status looked = LookAtStore();
+  if (looked.ok() != std::exchange(sees_store_, looked.ok())) {
+    if (looked.ok()) {
+      spdlog::info("the store answers again: changes of other servers are followed");
+    } else {
+      spdlog::error("changes of other servers cannot be followed: {}",
+                    std::string(looked.message()));
+    }
+  }
+  for (const auto& follower : followers_) follower();
+  next_look_->Set(workers_.Now() + kLookPeriod, [this] { Look(); });
+}
+
+absl::Status Engine::LookAtStore() {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto unfinished, store_->ListUnfinishedOperations());
+  operations_.Follow(unfinished);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto changed, FollowDatabases());
+  std::map<std::string, std::vector<std::string>> ids;  // by database
+  for (const auto& operation : unfinished) ids[operation.database].push_back(operation.id);
+  for (const auto& live : Databases()) {
+    live->lifecycle().Follow(ids[live->name()], changed.contains(live->name()));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::set<std::string>> Engine::FollowDatabases() {
+  std::set<std::string> changed;
+  // If a database is created or deleted here now, the next look is soon enough.
+  const auto naming = naming_mutex_.Lock([] { return true; });
+  if (!naming.ok()) return changed;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states, store_->ListDatabaseStates());
+  std::map<std::string, std::int64_t> stored;
+  for (const auto& state : states) stored[state.name] = state.id;
+  for (const auto& live : Databases()) {
+    const auto found = stored.find(live->name());
+    const auto seen = seen_.find(live->name());
+    const bool is_another =
+        found != stored.end() && seen != seen_.end() && seen->second.state.id != found->second;
+    const bool is_gone = found == stored.end() || is_another;
+    if (is_gone && DropDatabase(live)) seen_.erase(live->name());
+  }
+  for (const auto& state : states) {
+    const auto seen = seen_.find(state.name);
+    if (seen != seen_.end()) {
+      const bool waits_for_drop = seen->second.state.id != state.id;
+      if (waits_for_drop || seen->second.state.stamp == state.stamp) continue;
+    }
+    MOTIONDB_RETURN_IF_ERROR(FollowDatabase(state, seen_[state.name]));
+    changed.insert(state.name);
+  }
+  // A replaced or deleted clip may have had the last use of a skeleton.
+  if (!changed.empty()) skeletons_.Clear();
+  return changed;
+}
+
+void Engine::LookFor(const std::string& database) {
+  if (!store_->GetDatabase(database).ok()) return;
+  const storage::MutexLock lock(look_mutex_);
+  const auto naming = naming_mutex_.Lock([] { return true; });
+  if (!naming.ok() || next_look_ == nullptr || FindServed(database) != nullptr) return;
+  const auto states = store_->ListDatabaseStates();
+  if (!states.ok()) return;
+  const auto state = std::ranges::find(*states, database, &storage::DatabaseState::name);
+  if (state == states->end() || !FollowDatabase(*state, seen_[database]).ok()) return;
+  if (const auto live = FindServed(database)) live->lifecycle().Follow({}, /*is_changed=*/true);
+}
+
+absl::Status Engine::FollowDatabase(const storage::DatabaseState& state, SeenDatabase& seen) {
+  auto record = store_->GetDatabase(state.name);
+  if (absl::IsNotFound(record.status())) return absl::OkStatus();  // the next look will tell
+  if (!record.ok()) return record.status();
+  const bool is_new = seen.state.id == 0;
+  auto live = FindServed(state.name);
+  if (live == nullptr) {
+    LiveDatabases databases;
+    live = databases[state.name] = Serve(state.name, record->settings);
+    live->set_scheme(schemes_.Of(*record));
+    Show(databases);
+    spdlog::info("database '{}': served; another server has created it", state.name);
+  } else if (record->marker_set_text != seen.marker_set_text) {
+    auto scheme = schemes_.Of(*record);
+    if (!is_new && scheme.ok()) {
+      live->ReplaceScheme(*std::move(scheme), NowMicroseconds());
+    } else {
+      live->set_scheme(std::move(scheme));
+    }
+  }
+  seen = {state, std::move(record->marker_set_text)};
+  live->signal()->Notify();
+  return absl::OkStatus();
+}
+
+bool Engine::DropDatabase(const std::shared_ptr<LiveDatabase>& live) {
+  const auto latest = workers_.Now() + kMaxDropWait;
+  const auto forget = [&] {
+    live->lifecycle().Forget();
+    const storage::MutexLock lock(mutex_);
+    databases_.erase(live->name());
+    return absl::OkStatus();
+  };
+  if (!live->Retire(forget, [&] { return workers_.Now() > latest; }).ok()) return false;
+  live->signal()->Notify();
+  spdlog::info("database '{}': no longer served; another server has deleted it", live->name());
+  return true;
+}
+
+absl::Status Engine::ReadScheme(LiveDatabase& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto known, database.scheme());
+  if (known != nullptr) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, store_->GetDatabase(database.name()));
+  if (!record.marker_set_text.empty()) database.set_scheme(schemes_.Of(record));
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::server

@@ -41,8 +41,8 @@ class RowCopy {
   // Returns false after the last row. After an error the object must not be used. DATA_LOSS if a
   // row cannot be read or refers to a missing one, or, except in a backup, is corrupt.
   absl::StatusOr<bool> Step(Connection& target);
-  // After the last step, except in an import: fills the empty search index, and lets new rows get keys
-  // above those of the copied ones. In the caller's write transaction.
+  // After the last step, except in an import: fills the empty search index, and lets new rows get
+  // keys above those of the copied ones. In the caller's write transaction.
   absl::Status Finish(Connection& target);
 
   std::int64_t copied_bytes() const { return copied_bytes_; }  // of blobs

@@ -40,7 +40,7 @@ void Engine::LookNow() {
   is_waking_ = true;
   wake_->Set(workers_.Now() + kWakeDelay, [this] {
     {
-      const storage::MutexLock lock(wake_mutex_);
+      const storage::MutexLock woken(wake_mutex_);
       is_waking_ = false;
     }
     Look();

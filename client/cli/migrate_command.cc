@@ -64,8 +64,7 @@ absl::Status RunMigrate(const MigrateOptions& options, const GlobalOptions& glob
 
 void AddMigrateCommand(CommandLine line) {
   AddCommand<MigrateOptions>(
-      line, "migrate",
-      "Copy a store between a file and PostgreSQL, without a server; an interrupted copy continues",
+      line, "migrate", "Copy a store between a file and PostgreSQL; continues an interrupted copy",
       "motiondb migrate motion.db postgresql://motiondb@db.example/motiondb\n"
       "motiondb migrate postgresql://motiondb@db.example/motiondb motion.db",
       DeclareMigrate, RunMigrate);

@@ -207,6 +207,7 @@ class MotionStore {
   // Calls `on_change` after changes of this or another server, from another thread, until the
   // result is destroyed. Null if the store is never changed by another server, or cannot notify.
   // Calls can be lost and repeated: whoever must not miss a change also polls Revision.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): other stores move it.
   virtual std::unique_ptr<StoreWatch> WatchChanges(OnStoreChange) { return nullptr; }
 
   // Edits, segments, changes and text search. Valid as long as this store.

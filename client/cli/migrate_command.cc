@@ -52,6 +52,7 @@ absl::Status RunMigrate(const MigrateOptions& options, const GlobalOptions& glob
   if (!program.ok()) return program.status();
   std::vector<std::string> words = {kServerProgram, "migrate", options.from, options.to};
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   FlushOutput();

@@ -119,7 +119,8 @@ absl::Status ModelLifecycle::RunBuild(Build& build) {
   };
   const auto began = services_.executor.Now();
   auto lease = AcquireLease();
-  bool is_mine = lease.ok();
+  const absl::Status acquired = lease.status();
+  bool is_mine = acquired.ok();
   if (is_mine) {
     build.lease = *std::move(lease);
     unless_deleted([&] {
@@ -129,7 +130,7 @@ absl::Status ModelLifecycle::RunBuild(Build& build) {
     if (!is_mine) return absl::OkStatus();
   }
   const auto built = WithoutExceptions<absl::StatusOr<Built>>([&]() -> absl::StatusOr<Built> {
-    if (!is_mine) return lease.status();
+    if (!is_mine) return acquired;
     return DeriveAndBuild(build);
   });
   if (EndUnfinished(build, built.status())) return built.status();

@@ -1,7 +1,7 @@
 // The player of a clip: positions, segments, speed of drawing, memory.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { checkAccessibility, newPage, shown } from './support/browser.mjs';
+import { checkAccessibility, disableWebGL, newPage, shown } from './support/browser.mjs';
 import { project } from './support/projection.mjs';
 import { setup } from './support/setup.mjs';
 import { markersAt } from './support/stream.mjs';
@@ -63,7 +63,20 @@ test('two clips play side by side', async (t) => {
   const page = await openClip(t, 'with=01_03');
   await page.locator('.motion-pane').nth(1).locator('canvas').waitFor();
   await page.getByRole('button', { name: 'Align' }).click();
-  assert.match(page.url(), /with=01_03/);
+  await page.waitForURL(/offset=-?\d/);
+  assert.ok(Number(await page.getByLabel('Offset, s').inputValue()) !== 0);
+});
+
+test('speed and loop are in the address', async (t) => {
+  const page = await openClip(t, 'speed=0.3');
+  const speed = page.locator('.player').getByLabel('Speed');
+  assert.equal(await speed.inputValue(), '1'); // 0.3 is not offered
+  await speed.selectOption('0.25');
+  await page.getByLabel('Loop').uncheck();
+  assert.match(page.url(), /speed=0\.25/);
+  await page.reload();
+  assert.equal(await speed.inputValue(), '0.25');
+  assert.equal(await page.getByLabel('Loop').isChecked(), false);
 });
 
 test('the keyboard plays and steps, and the recorded skeleton can be alone', async (t) => {
@@ -101,12 +114,7 @@ test('the keyboard plays and steps, and the recorded skeleton can be alone', asy
 
 test('without WebGL the player, segments and curves work', async (t) => {
   const page = await newPage(t);
-  await page.addInitScript(() => {
-    const original = HTMLCanvasElement.prototype.getContext;
-    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
-      return kind.startsWith('webgl') ? null : original.call(this, kind, ...more);
-    };
-  });
+  await disableWebGL(page);
   await page.goto(`${setup.open}/#/clip/demo/01_01`);
   await page.locator('.chart canvas').waitFor();
   await page.getByRole('button', { name: 'Play' }).click();

@@ -27,6 +27,16 @@ test('a facet filters the list, and the address keeps the filter', async (t) => 
   await page.waitForFunction(() => document.querySelectorAll('table.clips tbody tr').length === 1);
 });
 
+test('a narrow window scrolls the table, not the page', async (t) => {
+  const page = await openClips(t, { viewport: { width: 400, height: 800 } });
+  const widths = await page.evaluate(() => ({
+    page: document.documentElement.scrollWidth,
+    table: document.querySelector('table.clips').clientWidth,
+  }));
+  assert.ok(widths.table > 400, `table of ${widths.table} px`);
+  assert.equal(widths.page, 400);
+});
+
 test('an error of the filter shows its place', async (t) => {
   const page = await openClips(t, { expected: [/400 \(Bad Request\)/] });
   await page.fill(filterInput, 'lable = walk');

@@ -27,6 +27,19 @@ test('hostile texts of a database in every view of the navigation', async (t) =>
   t.diagnostic(`${own.length} views`);
 });
 
+test('hostile labels in the timeline of a clip and in the answer of a query', async (t) => {
+  const page = await newPage(t);
+  await page.goto(`${setup.open}/#/clip/hostile/01_01`);
+  const segment = page.locator('.segment-body').first();
+  await segment.waitFor();
+  assert.ok((await segment.textContent()).includes(setup.hostile));
+  await checkHarmless(page);
+  await page.goto(`${setup.open}/#/query/hostile?clip=01_01&to=3&without=0`);
+  await page.locator('.ribbon rect:visible').first().waitFor();
+  assert.ok((await page.locator('.ribbon .legend').textContent()).includes(setup.hostile));
+  await checkHarmless(page);
+});
+
 test('hostile texts in the address', async (t) => {
   const page = await newPage(t);
   for (const part of [setup.hostile, `clips/${setup.hostile}`, `clip/demo/${setup.hostile}`]) {

@@ -34,16 +34,149 @@ test('goal and obstacles are placed on the floor, and the motion is planned', as
   await page.waitForURL(/obstacles=d/);
   await floor.press('ArrowUp');
 
+  // The start moves back and turns to the right.
+  const start = floor.locator('.start circle');
+  const place = async () => ({
+    x: Number(await start.getAttribute('cx')),
+    y: Number(await start.getAttribute('cy')),
+  });
+  const origin = await place();
+  for (const key of ['s', 'ArrowDown', 'ArrowDown', ']']) await floor.press(key);
+  await page.waitForURL(/start=-0\.2%2C0%2C-0\.175/);
+  assert.ok((await place()).y > origin.y + 5);
+
   await page.getByRole('button', { name: 'Plan', exact: true }).click();
   await page.locator('section[aria-label="Planned motions"] tbody tr').first().waitFor();
-  await floor.locator('.path.chosen .place').first().waitFor();
+  const first = floor.locator('.path.chosen .place').first();
+  await first.waitFor();
+  // The path begins at the start.
+  const begin = await place();
+  assert.ok(Math.abs(Number(await first.getAttribute('cx')) - begin.x) < 3);
+  assert.ok(Math.abs(Number(await first.getAttribute('cy')) - begin.y) < 3);
+  await page.getByRole('button', { name: 'Alternative 1' }).click();
+  assert.match(page.url(), /motion=1/);
+  await page.reload();
+  await page.locator('tbody button[aria-pressed=true]', { hasText: 'Alternative 1' }).waitFor();
   await checkAccessibility(page);
+
+  // The first plan has no skeleton, so it has no BVH file. The page must wait for the second one,
+  // also if that takes longer than a click.
+  await page.route('**/motiondb.v1.QueryService/Plan', async (route) => {
+    await new Promise((resolve) => setTimeout(resolve, 500));
+    await route.continue();
+  });
   await page.getByLabel('Start: clip').fill('01_01');
   await page.getByRole('button', { name: 'Plan', exact: true }).click();
-  await page.locator('.hint', { hasText: 'Stored motion' }).waitFor();
   const [download] = await Promise.all([
     page.waitForEvent('download'),
     page.getByRole('button', { name: 'Download BVH' }).click(),
   ]);
   assert.match(download.suggestedFilename(), /\.bvh$/);
+});
+
+test('pointers draw one obstacle at a time', async (t) => {
+  const page = await newPage(t);
+  await page.goto(`${setup.open}/#/plan/demo`);
+  const floor = page.locator('svg.floor');
+  await floor.locator('.goal circle').waitFor();
+  const discs = floor.locator('circle.obstacle:not(.draft)');
+  await page.getByRole('button', { name: /^Disc/ }).click();
+  await floor.dblclick({ position: { x: 60, y: 60 } });
+  assert.equal(await discs.count(), 1);
+  await floor.dblclick({ position: { x: 160, y: 60 } });
+  assert.equal(await discs.count(), 2);
+
+  // A second finger changes nothing, and a cancelled drag is no obstacle and does not go on.
+  const send = (type, pointerId, left, top) =>
+    floor.evaluate(
+      (node, [kind, id, x, y]) => {
+        node.setPointerCapture = () => {}; // the browser knows no such pointer
+        const box = node.getBoundingClientRect();
+        const at = { clientX: box.left + x, clientY: box.top + y };
+        const init = { pointerId: id, isPrimary: id === 1, pointerType: 'touch', bubbles: true };
+        node.dispatchEvent(new PointerEvent(kind, { ...init, ...at }));
+      },
+      [type, pointerId, left, top],
+    );
+  await send('pointerdown', 1, 100, 100);
+  await send('pointerdown', 2, 250, 100);
+  await send('pointermove', 2, 300, 100);
+  await send('pointerup', 2, 300, 100);
+  assert.equal(await discs.count(), 2);
+  const draft = floor.locator('.draft');
+  assert.ok(Math.abs(Number(await draft.getAttribute('cx')) - 100) < 1);
+  await send('pointercancel', 1, 100, 100);
+  assert.equal(await draft.count(), 0);
+  await send('pointermove', 1, 200, 100);
+  assert.equal(await draft.count(), 0);
+
+  const scale = async () => Number(await discs.first().getAttribute('r'));
+  const before = await scale();
+  await page.getByRole('button', { name: 'Zoom in' }).click();
+  assert.ok((await scale()) > 1.1 * before);
+  await page.getByRole('button', { name: 'Zoom out' }).click();
+  assert.ok(Math.abs((await scale()) - before) < 0.01);
+});
+
+test('obstacles are drawn with the keyboard alone', async (t) => {
+  const page = await newPage(t);
+  await page.goto(`${setup.open}/#/plan/demo`);
+  const floor = page.locator('svg.floor');
+  await floor.locator('.goal circle').waitFor();
+  await floor.focus();
+  const press = async (...keys) => {
+    for (const key of keys) await page.keyboard.press(key);
+  };
+  const kinds = () =>
+    floor.locator('.obstacle:not(.draft)').evaluateAll((all) => all.map((node) => node.tagName));
+
+  // A disc, smaller than the first size, next to the goal.
+  const spoken = page.locator('[aria-live=polite]').first();
+  await press('d');
+  await floor.locator('.cursor').waitFor();
+  assert.match(await spoken.textContent(), /m ahead/);
+  await press('ArrowUp', 'ArrowUp', 'ArrowLeft');
+  const radius = async () => Number(await floor.locator('.draft').getAttribute('r'));
+  const first = await radius();
+  await press('[');
+  assert.ok((await radius()) < first);
+  assert.match(await spoken.textContent(), /Disc, radius 0\.25 m/);
+  assert.deepEqual(await kinds(), []);
+  await press('Enter');
+  assert.deepEqual(await kinds(), ['circle']);
+
+  // A polygon; two corners are not enough.
+  await press('p', 'ArrowDown', 'Space', 'ArrowDown', 'ArrowDown', 'Space', 'Enter');
+  const error = page.getByText('Expected at least 3 corners of an obstacle.');
+  await error.waitFor();
+  // The last corner is removed first.
+  await press('Delete');
+  assert.match(await spoken.textContent(), /1 corners/);
+  assert.deepEqual(await kinds(), ['circle']);
+  await press('Space', 'Enter');
+  await error.waitFor();
+  await press('ArrowRight', 'ArrowRight', 'Space', 'Enter');
+  assert.deepEqual(await kinds(), ['circle', 'polygon']);
+  await error.waitFor({ state: 'detached' });
+  await page.waitForURL(/obstacles=d.*p/);
+  // Nothing is drawn: Enter announces nothing.
+  await press('ArrowUp');
+  const before = await spoken.textContent();
+  await press('Enter');
+  assert.equal(await spoken.textContent(), before);
+
+  // The disc is chosen and removed.
+  await press('c', 'ArrowUp', 'ArrowUp', 'ArrowLeft', 'Space');
+  await floor.locator('circle.obstacle.chosen').waitFor();
+  assert.match(await spoken.textContent(), /Disc, radius 0\.25 m/);
+  await press('Delete');
+  assert.deepEqual(await kinds(), ['polygon']);
+
+  // The goal still moves.
+  await press('g');
+  const goal = await page.getByLabel('Goal: ahead, m').inputValue();
+  await press('ArrowUp');
+  const after = await page.getByLabel('Goal: ahead, m').inputValue();
+  assert.ok(Math.abs(Number(after) - Number(goal) - 0.1) < 0.011);
+  assert.match(await spoken.textContent(), /^Goal .* heading/);
 });

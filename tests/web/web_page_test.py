@@ -3,9 +3,11 @@
 
     web_page_test.py MOTIONDBD MOTIONDB DATA_FOLDER PAGE_FOLDER [TEST...]
 
-TEST: name of a file here without .test.mjs, for example session; otherwise all but `speed`, which
-measures times and needs an idle machine. The test files get the servers in MOTIONDB_WEB_TEST
-(support/setup.mjs). Exit code 77: skipped.
+TEST: name of a file here without .test.mjs, for example session; otherwise all but `speed` and
+`large`, which measure times and need an idle machine. `large` reads the store MOTIONDB_LARGE_STORE,
+which `motiondb_bench_scale --store FILE` creates. The test files get the servers in MOTIONDB_WEB_TEST
+(support/setup.mjs). MOTIONDB_WEB_THROTTLE=4 makes the processor of each page four times slower, to
+find races of page and tests. Exit code 77: skipped.
 """
 
 import glob
@@ -74,8 +76,11 @@ def load_motion(server):
 
 
 def start_servers(folder):
+    """Returns a server without authentication, one with tokens, and one of the large store or None."""
+    web = ("--web-listen", "127.0.0.1:0")
+
     def options(name):
-        return (os.path.join(folder, f"{name}.db"), "--web-listen", "127.0.0.1:0", "--web-root", PAGE)
+        return (os.path.join(folder, f"{name}.db"), *web)
 
     open_server = programs.Server(*options("open"))
     token_file = os.path.join(folder, "token")
@@ -83,13 +88,15 @@ def start_servers(folder):
         file.write(ADMIN_TOKEN + "\n")
     secure = programs.Server(*options("secure"), "--authentication", "token", "--admin-token-file",
                              token_file)
-    return open_server, secure
+    store = os.environ.get("MOTIONDB_LARGE_STORE")
+    return open_server, secure, programs.Server(store, *web) if store else None
 
 
 def run_tests(setup, deadline):
     """Runs the test files in one process with one browser; returns its exit code."""
     names = TESTS or sorted({os.path.basename(path).removesuffix(".test.mjs")
-                             for path in glob.glob(os.path.join(HERE, "*.test.mjs"))} - {"speed"})
+                             for path in glob.glob(os.path.join(HERE, "*.test.mjs"))}
+                            - {"speed", "large"})
     try:
         return subprocess.run(
             ["node", "--test-reporter=spec", os.path.join(HERE, "run_tests.mjs"), *names],
@@ -104,18 +111,21 @@ def main():
     chromium = find_chromium()
     check_requirements()
     with tempfile.TemporaryDirectory() as folder:
-        open_server, secure = start_servers(folder)
+        open_server, secure, large = start_servers(folder)
         try:
             has_recorded = load_motion(open_server)
             setup = {"open": open_server.web, "secure": secure.web, "adminToken": ADMIN_TOKEN,
                      "openAddress": open_server.address, "secureAddress": secure.address,
-                     "motiondb": programs.MOTIONDB, "models": programs.MODELS,
+                     "motiondb": programs.MOTIONDB, "motiondbd": programs.MOTIONDBD,
+                     "models": programs.MODELS,
                      "data": programs.DATA if has_recorded else "", "chromium": chromium,
-                     "hostile": HOSTILE, "root": ROOT, "folder": folder}
+                     "hostile": HOSTILE, "root": ROOT, "folder": folder,
+                     "large": {"web": large.web, "pid": large.process.pid} if large else None}
             code = run_tests(setup, deadline)
         finally:
-            for server in (open_server, secure):
-                server.stop()
+            for server in (open_server, secure, large):
+                if server:
+                    server.stop()
     if code != 0:
         sys.exit("web_page_test: failed")
     print("web_page_test: passed")

@@ -7,6 +7,8 @@ import { requirePackage, setup } from './setup.mjs';
 const { chromium } = requirePackage('playwright-core');
 const axe = requirePackage('axe-core');
 
+const kPatience = 90_000; // ms, for each step of a test
+
 let browser;
 
 async function launch() {
@@ -31,12 +33,20 @@ after(async () => {
 });
 
 /**
- * Opens a page without a URL. `expected`: patterns of errors that the test provokes. `options`: of
+ * Opens a page without a URL. `expected`: patterns of errors that the test provokes. `server`: URL
+ * of another server that the page may call. `options`: of
  * browser.newContext, for example {colorScheme: 'dark', viewport: {width: 800, height: 600}}.
  */
-export async function newPage(t, { expected = [], context, ...options } = {}) {
+export async function newPage(t, { expected = [], context, server, ...options } = {}) {
   const owner = context ?? (await (await launch()).newContext(options));
   const page = await owner.newPage();
+  // A busy machine is no error: the whole run has a limit (web_page_test.py).
+  page.setDefaultTimeout(kPatience);
+  if (process.env.MOTIONDB_WEB_THROTTLE) {
+    const session = await owner.newCDPSession(page);
+    const rate = Number(process.env.MOTIONDB_WEB_THROTTLE);
+    await session.send('Emulation.setCPUThrottlingRate', { rate });
+  }
   const errors = [];
   const report = (error) => {
     if (!expected.some((pattern) => pattern.test(error))) errors.push(error);
@@ -53,7 +63,8 @@ export async function newPage(t, { expected = [], context, ...options } = {}) {
   });
   page.on('request', (request) => {
     const url = new URL(request.url());
-    const own = [setup.open, setup.secure].includes(url.origin) || url.protocol === 'blob:';
+    const servers = [setup.open, setup.secure, setup.large?.web, server];
+    const own = servers.includes(url.origin) || url.protocol === 'blob:';
     if (!own && url.protocol !== 'data:') report(`request to a foreign host: ${url.href}`);
   });
   t.after(async () => {
@@ -62,6 +73,16 @@ export async function newPage(t, { expected = [], context, ...options } = {}) {
     assert.deepEqual(errors, []);
   });
   return page;
+}
+
+// The pages that `page` opens later have no WebGL.
+export async function disableWebGL(page) {
+  await page.addInitScript(() => {
+    const original = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      return kind.startsWith('webgl') ? null : original.call(this, kind, ...more);
+    };
+  });
 }
 
 // Waits until the page has drawn its frame: navigation or login.

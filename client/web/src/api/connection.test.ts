@@ -33,6 +33,28 @@ test('a revoked token asks for a login', () => {
   expect(connection.state).toBe('login');
 });
 
+test('what failed is tried again when the connection is restored', async () => {
+  const probe = vi.fn(() => Promise.resolve());
+  const connection = new Connection(probe, 1000);
+  const closed = new AbortController();
+  const lost = new ConnectError('gone', Code.Unavailable);
+  const actions = { open: vi.fn(), closed: vi.fn(), other: vi.fn() };
+  const open = new AbortController();
+  connection.whenRestored(lost, open.signal, actions.open);
+  connection.whenRestored(lost, closed.signal, actions.closed);
+  connection.whenRestored(new ConnectError('no', Code.NotFound), open.signal, actions.other);
+  closed.abort();
+  expect(connection.state).toBe('lost');
+  expect(actions.open).not.toHaveBeenCalled();
+  await vi.advanceTimersByTimeAsync(1000);
+  connection.lose();
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(connection.state).toBe('connected');
+  expect(actions.open).toHaveBeenCalledTimes(1);
+  expect(actions.closed).not.toHaveBeenCalled();
+  expect(actions.other).not.toHaveBeenCalled();
+});
+
 test('an error of a call is not a lost connection', () => {
   const connection = new Connection(() => Promise.resolve());
   connection.failed(new ConnectError('no clip', Code.NotFound));

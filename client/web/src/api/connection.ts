@@ -44,6 +44,19 @@ export class Connection implements CallObserver {
     this.retry();
   }
 
+  // After an error of a lost connection: runs the action once when the connection is restored, unless
+  // the signal aborts first. Does nothing after other errors.
+  whenRestored(error: unknown, signal: AbortSignal, action: () => void): void {
+    if (!isConnectionLost(error) || signal.aborted) return;
+    this.failed(error);
+    const remove = this.onChange((state) => {
+      if (state !== 'connected') return;
+      remove();
+      if (!signal.aborted) action();
+    });
+    signal.addEventListener('abort', remove, { once: true });
+  }
+
   close(): void {
     clearTimeout(this.timer);
     this.listeners.clear();

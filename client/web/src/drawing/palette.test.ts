@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { ThemeName } from '../shell/theme';
-import { clipColor, labelStyles, rgbOf } from './palette';
+import { clipColor, labelStyles, readableOn, rgbOf } from './palette';
 
 const backgrounds: Record<ThemeName, string> = { light: '#e9edf2', dark: '#1d2127' };
 
@@ -72,5 +72,30 @@ describe('labelStyles', () => {
 
   it('does not depend on the order of the labels', () => {
     expect(labelStyles(['walk', 'jump'], 'dark')).toEqual(labelStyles(['jump', 'walk'], 'dark'));
+  });
+});
+
+describe.each(['#e9edf2', '#101317'])('readableOn %s', (background) => {
+  const hex = (rgb: number[]) =>
+    `#${rgb
+      .map((v) =>
+        Math.round(255 * v)
+          .toString(16)
+          .padStart(2, '0'),
+      )
+      .join('')}`;
+
+  it('makes every colour stand out, and keeps those that do', () => {
+    for (let i = 0; i < 125; ++i) {
+      const color = [i % 5, Math.floor(i / 5) % 5, Math.floor(i / 25)].map((v) => v / 4);
+      const shown = readableOn(background, color as [number, number, number]);
+      expect(contrast(hex(shown), background), hex(color)).toBeGreaterThan(2.95);
+      if (contrast(hex(color), background) > 3.05) expect(shown).toEqual(color);
+    }
+  });
+
+  it('keeps the hue', () => {
+    const [red, green, blue] = readableOn(background, [1, 0, 0]);
+    expect(red).toBeGreaterThan(2 * Math.max(green, blue));
   });
 });

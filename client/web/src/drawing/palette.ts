@@ -65,6 +65,32 @@ export function rgbOf(color: string): [number, number, number] {
   return [(value >> 16) / 255, ((value >> 8) & 255) / 255, (value & 255) / 255];
 }
 
+// A colour (red, green and blue, 0 to 1, sRGB), made darker or lighter until its contrast with the
+// background, `#rrggbb`, is at least 3:1.
+export function readableOn(
+  background: string,
+  color: readonly [number, number, number],
+): [number, number, number] {
+  const behind = luminanceOf(rgbOf(background));
+  const dark = 1.05 / (behind + 0.05) > (behind + 0.05) / 0.05;
+  const isReadable = (luminance: number) =>
+    dark ? luminance + 0.05 >= 3 * (behind + 0.05) : 3 * (luminance + 0.05) <= behind + 0.05;
+  const mixed = (part: number) =>
+    color.map((value) => value + part * ((dark ? 1 : 0) - value)) as [number, number, number];
+  const kSteps = 50;
+  for (let step = 0; step < kSteps; ++step) {
+    const result = mixed(step / kSteps);
+    if (isReadable(luminanceOf(result))) return result;
+  }
+  return mixed(1);
+}
+
+// Relative luminance of WCAG.
+function luminanceOf(rgb: readonly number[]): number {
+  const [r, g, b] = rgb.map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * r! + 0.7152 * g! + 0.0722 * b!;
+}
+
 function hexColor(rgb: number[]): string {
   return `#${rgb.map((value) => Math.round(value).toString(16).padStart(2, '0')).join('')}`;
 }

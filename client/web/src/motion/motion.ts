@@ -1,4 +1,4 @@
-import type { Bone, Figure } from '../api/messages';
+import type { Bone, Figure, LinkVisual } from '../api/messages';
 
 // Points that move: markers or joints.
 export interface PointTrack {
@@ -8,6 +8,14 @@ export interface PointTrack {
   readonly positions: Float32Array;
 }
 
+// Joints that move, with the visual shapes of a robot's links.
+export interface JointTrack extends PointTrack {
+  readonly visuals: readonly LinkVisual[];
+  // frames x joints x 4, from the frame of the joint to the world, unit quaternions x, y, z, w; empty
+  // without visuals. NaN: not received yet.
+  readonly rotations: Float32Array;
+}
+
 // Motion of a clip. Blocks arrive in order; `receivedFrames` grows until it is `frameCount`.
 export interface Motion {
   readonly name: string;
@@ -15,7 +23,7 @@ export interface Motion {
   readonly frameCount: number;
   readonly markers: PointTrack;
   // Joints of the recorded skeleton; without names if there are none.
-  readonly joints: PointTrack;
+  readonly joints: JointTrack;
   // One byte a frame: bit 0 left foot, bit 1 right foot; empty if the marker set has no feet.
   readonly contacts: Uint8Array;
   receivedFrames: number;
@@ -36,23 +44,19 @@ export function createMotion(
     frameCount,
     receivedFrames: 0,
     markers: createTrack(figure.markerNames, figure.markerBones, frameCount),
-    joints: hasJoints
-      ? createTrack(figure.jointNames, figure.jointBones, frameCount)
-      : createTrack([], [], 0),
+    joints: createJoints(hasJoints ? figure : undefined, frameCount),
     contacts: new Uint8Array(hasContacts ? frameCount : 0),
   };
 }
 
 // Copies little-endian float32 into `target` at a frame. Bytes beyond the end are ignored.
 export function copyFrames(target: PointTrack, firstFrame: number, bytes: Uint8Array): void {
-  const offset = firstFrame * target.names.length * 3 * 4;
-  const all = new Uint8Array(
-    target.positions.buffer,
-    target.positions.byteOffset,
-    target.positions.byteLength,
-  );
-  if (offset < 0 || offset > all.length) return;
-  all.set(bytes.subarray(0, all.length - offset), offset);
+  copyFloats(target.positions, firstFrame * target.names.length * 3, bytes);
+}
+
+// The same for the rotations of joints.
+export function copyRotations(target: JointTrack, firstFrame: number, bytes: Uint8Array): void {
+  copyFloats(target.rotations, firstFrame * target.names.length * 4, bytes);
 }
 
 // Bytes as float32; the bytes of a message can begin at any address, so they are copied.
@@ -77,6 +81,7 @@ export function bytesOf(motion: Motion): number {
   return (
     motion.markers.positions.byteLength +
     motion.joints.positions.byteLength +
+    motion.joints.rotations.byteLength +
     motion.contacts.byteLength
   );
 }
@@ -85,6 +90,29 @@ export function bytesOf(motion: Motion): number {
 export function frameOf(track: PointTrack, frame: number): Float32Array {
   const size = track.names.length * 3;
   return track.positions.subarray(frame * size, (frame + 1) * size);
+}
+
+// The rotations of one frame, as a view of the track.
+export function rotationsOf(track: JointTrack, frame: number): Float32Array {
+  const size = track.names.length * 4;
+  return track.rotations.subarray(frame * size, (frame + 1) * size);
+}
+
+function copyFloats(target: Float32Array, first: number, bytes: Uint8Array): void {
+  const all = new Uint8Array(target.buffer, target.byteOffset, target.byteLength);
+  const offset = 4 * first;
+  if (offset < 0 || offset > all.length) return;
+  all.set(bytes.subarray(0, all.length - offset), offset);
+}
+
+function createJoints(figure: Figure | undefined, frameCount: number): JointTrack {
+  const { jointNames = [], jointBones = [], jointVisuals = [] } = figure ?? {};
+  const count = jointVisuals.length > 0 ? frameCount * jointNames.length * 4 : 0;
+  return {
+    ...createTrack(jointNames, jointBones, frameCount),
+    visuals: jointVisuals,
+    rotations: new Float32Array(count).fill(NaN),
+  };
 }
 
 function createTrack(

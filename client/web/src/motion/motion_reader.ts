@@ -1,5 +1,5 @@
 import type { Api } from '../api/api';
-import { copyFrames, createMotion, type Motion } from './motion';
+import { copyFrames, copyRotations, createMotion, type Motion } from './motion';
 
 // Reads the motion of a clip. `onStart` gets it with the first block, `onBlock` follows each block.
 // Rejects if the stream ends before the last frame.
@@ -27,6 +27,7 @@ export async function readMotion(
     }
     copyFrames(motion.markers, block.firstFrame, block.markerPositions);
     copyFrames(motion.joints, block.firstFrame, block.jointPositions);
+    copyRotations(motion.joints, block.firstFrame, block.jointRotations);
     if (block.firstFrame + block.contacts.length <= motion.contacts.length) {
       motion.contacts.set(block.contacts, block.firstFrame);
     }

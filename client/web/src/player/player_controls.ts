@@ -6,6 +6,11 @@ import type { PlaybackClock } from './playback_clock';
 const kDrawMilliseconds = 50;
 const kSpeeds = ['0.1', '0.25', '0.5', '1', '2', '4'] as const;
 
+// The speed of a text; 1 if it is not an offered speed.
+export function speedOf(text: string | null): number {
+  return Number(kSpeeds.find((value) => value === text) ?? '1');
+}
+
 // Buttons, slider and keys of a clock: space plays, comma and full stop step by a frame, Home and
 // End go to the ends.
 export class PlayerControls {
@@ -18,7 +23,11 @@ export class PlayerControls {
   private shownPlaying: boolean | null = null;
   private drawnAt = -Infinity;
 
-  constructor(private readonly clock: PlaybackClock) {
+  // `changed`: the user has chosen another speed, or loop.
+  constructor(
+    private readonly clock: PlaybackClock,
+    changed: () => void = () => undefined,
+  ) {
     this.playButton = button(
       'Play',
       () => {
@@ -42,10 +51,12 @@ export class PlayerControls {
     );
     speed.addEventListener('change', () => {
       clock.speed = Number(speed.value);
+      changed();
     });
     const loop = element('input', { type: 'checkbox', checked: clock.loop });
     loop.addEventListener('change', () => {
       clock.loop = loop.checked;
+      changed();
     });
     this.node = element(
       'div',

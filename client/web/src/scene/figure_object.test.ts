@@ -1,8 +1,8 @@
-import { Matrix4, Scene as ThreeScene, Vector3, type InstancedMesh } from 'three';
+import { Matrix4, Vector3, type InstancedMesh } from 'three';
 import { expect, test } from 'vitest';
 import { FigureObject } from './figure_object';
 import { linkRadii } from './link_radii';
-import type { Scene } from './scene';
+import { instancedMeshes, testScene } from './test_scene';
 
 const bone = (fromPoint: number, toPoint: number) => ({ fromPoint, toPoint });
 // A hip, a thigh of 0.4 m, a shin of 0.3 m, and a foot of 0.02 m; a sensor without bones.
@@ -11,20 +11,6 @@ const robot = {
   bones: [bone(0, 1), bone(1, 2), bone(2, 3)],
 };
 const pose = Float32Array.from([0, 0, 0.72, 0, 0, 0.32, 0, 0, 0.02, 0, 0, 0, 1, 1, 1]);
-
-function sceneOf() {
-  const root = new ThreeScene();
-  const theme = { color: () => '#808080' };
-  const scene = {
-    root,
-    theme,
-    onTheme: (apply: () => void) => {
-      apply();
-    },
-    invalidate: () => undefined,
-  };
-  return { root, scene: scene as unknown as Scene };
-}
 
 test('links are thicker if they are longer, within limits', () => {
   const radii = linkRadii(robot, pose);
@@ -47,14 +33,11 @@ test('links are thicker if they are longer, within limits', () => {
 });
 
 test('a robot is drawn as capsules in two draw calls', () => {
-  const { root, scene } = sceneOf();
+  const { root, scene } = testScene();
   const figure = new FigureObject(scene, robot, { links: true });
   figure.update(pose.map((value, i) => (i === 4 ? NaN : value)));
   figure.update(pose);
-  const meshes: InstancedMesh[] = [];
-  root.traverse((node) => {
-    if ('isInstancedMesh' in node) meshes.push(node as InstancedMesh);
-  });
+  const meshes = instancedMeshes(root);
   expect(meshes.length).toBe(2);
   const [points, bones] = meshes as [InstancedMesh, InstancedMesh];
   expect([points.count, bones.count]).toEqual([5, 3]);

@@ -1,11 +1,14 @@
 import { Spherical, Vector3, type PerspectiveCamera } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { arrowOf, type Arrow } from '../dom/arrow_keys';
 
 const kTurn = Math.PI / 36;
 const kZoom = 1.1;
+// Part of the distance to the target.
+const kMove = 0.05;
 
 // A camera that turns around a target by pointer, touch, wheel and keys, and can follow it.
-// Keys on the canvas: arrows turn, + and - zoom.
+// Keys on the canvas: arrows turn, Shift with arrows moves, + and - zoom.
 export class OrbitCamera {
   private readonly controls: OrbitControls;
   private readonly onKey = (event: KeyboardEvent) => {
@@ -101,17 +104,34 @@ export class OrbitCamera {
     this.controls.dispose();
   }
 
+  // Moves camera and target in the plane of the picture.
+  private moveBy({ right, up }: Arrow, length: number): void {
+    const axis = right !== 0 ? 0 : 1;
+    const step = new Vector3().setFromMatrixColumn(this.camera.matrix, axis);
+    step.multiplyScalar((right + up) * length);
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.controls.update();
+    this.controls.dispatchEvent({ type: 'end' });
+  }
+
   private press(event: KeyboardEvent): void {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const offset = this.camera.position.clone().sub(this.controls.target);
+    const arrow = arrowOf(event.key);
+    if (arrow && event.shiftKey) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.moveBy(arrow, kMove * offset.length());
+      return;
+    }
     // Spherical has y up.
     const spherical = new Spherical().setFromVector3(new Vector3(offset.x, offset.z, -offset.y));
-    if (event.key === 'ArrowLeft') spherical.theta -= kTurn;
-    else if (event.key === 'ArrowRight') spherical.theta += kTurn;
-    else if (event.key === 'ArrowUp') spherical.phi = Math.max(0.05, spherical.phi - kTurn);
-    else if (event.key === 'ArrowDown')
-      spherical.phi = Math.min(Math.PI * 0.98, spherical.phi + kTurn);
-    else if (event.key === '+' || event.key === '=')
+    if (arrow) {
+      spherical.theta += arrow.right * kTurn;
+      const phi = spherical.phi - arrow.up * kTurn;
+      if (arrow.up !== 0) spherical.phi = Math.min(Math.PI * 0.98, Math.max(0.05, phi));
+    } else if (event.key === '+' || event.key === '=')
       spherical.radius = Math.max(0.2, spherical.radius / kZoom);
     else if (event.key === '-') spherical.radius = Math.min(200, spherical.radius * kZoom);
     else return;

@@ -1,5 +1,6 @@
 import { createApi, type Api } from '../api/api';
 import { Connection } from '../api/connection';
+import { isConnectionLost } from '../api/errors';
 import { isDatabaseId, lastPart } from '../api/resource_names';
 import { logOut, mayActAs, readSession, type Session } from '../api/session';
 import { button, element } from '../dom/element';
@@ -13,6 +14,7 @@ import { ThemeSwitch } from './theme';
 import type { View, ViewContext } from './view';
 
 const kMotionCacheBytes = 96 * 1024 * 1024;
+const kWatchMilliseconds = 3000;
 
 // The frame around the views: navigation, login, theme, and the state of the connection.
 export class Shell {
@@ -39,6 +41,7 @@ export class Shell {
   private place: ParsedPlace = parsePlace(location.hash);
   private view: View | undefined;
   private opening = 0;
+  private scriptsFailed = false;
 
   constructor(root: HTMLElement) {
     const skip = button(
@@ -55,10 +58,20 @@ export class Shell {
       if (state === 'connected' && previous === 'lost') this.announce('Connection restored.');
       if (state === 'login') this.showLogin();
       else if (state === 'connected' && previous === 'lost') {
+        // Views read again what failed. Scripts of a view that could not be loaded need a new page:
+        // browsers remember that they failed.
         if (this.view) this.databasesChanged();
+        else if (this.scriptsFailed) location.reload();
         else void this.start();
       }
     });
+    // A view that makes no calls would not notice that the server is gone.
+    setInterval(() => {
+      if (this.connection.state !== 'connected' || document.hidden) return;
+      readSession().catch((error: unknown) => {
+        this.connection.failed(error);
+      });
+    }, kWatchMilliseconds);
     addEventListener('hashchange', () => void this.follow(parsePlace(location.hash)));
   }
 
@@ -87,7 +100,8 @@ export class Shell {
       this.databases = response.databases.map((database) => lastPart(database.name));
     } catch (error) {
       this.databases = this.session.database === '' ? [] : [this.session.database];
-      this.banner.error(error);
+      // The banner shows a lost connection already.
+      if (!isConnectionLost(error)) this.banner.error(error);
     }
   }
 
@@ -162,12 +176,14 @@ export class Shell {
       document.title = `${route.title === '' ? (place.path[0] ?? '') : route.title} - motiondb`;
       this.view = module.open(this.host, this.contextOf(), place);
     } catch (error) {
-      if (turn === this.opening)
-        notice.error(error, [
-          button('Try again', () => {
-            location.reload();
-          }),
-        ]);
+      if (turn !== this.opening) return;
+      this.scriptsFailed = true;
+      this.connection.failed(error);
+      notice.error(error, [
+        button('Try again', () => {
+          location.reload();
+        }),
+      ]);
     }
   }
 
@@ -211,6 +227,7 @@ export class Shell {
     ++this.opening;
     this.view?.close();
     this.view = undefined;
+    this.scriptsFailed = false;
     this.host.replaceChildren();
   }
 

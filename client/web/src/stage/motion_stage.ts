@@ -1,10 +1,11 @@
 import { element } from '../dom/element';
-import { frameAt, frameOf, type Motion } from '../motion/motion';
+import { frameAt, frameOf, rotationsOf, type Motion } from '../motion/motion';
 import { ContactObject } from '../scene/contact_object';
 import { FigureObject } from '../scene/figure_object';
 import { extentOf, FloorObject } from '../scene/floor_object';
 import { createScene, type Scene } from '../scene/scene';
 import { TrailObject } from '../scene/trail_object';
+import { bonesWithoutVisuals, VisualObject } from '../scene/visual_object';
 import type { ThemeSwitch } from '../shell/theme';
 
 // What a stage draws besides the floor.
@@ -29,6 +30,7 @@ export class MotionStage {
   private floor: FloorObject | undefined;
   private markers: FigureObject | undefined;
   private joints: FigureObject | undefined;
+  private visuals: VisualObject | undefined;
   private contacts: ContactObject | undefined;
   private trails: TrailObject | undefined;
   private trailPoints: readonly number[] = [];
@@ -56,13 +58,16 @@ export class MotionStage {
     if (!scene) return;
     this.floor = new FloorObject(scene);
     this.markers = new FigureObject(scene, motion.markers);
-    if (motion.joints.names.length > 0) {
-      this.joints = new FigureObject(scene, motion.joints, {
+    const { joints } = motion;
+    if (joints.names.length > 0) {
+      const style = { color: '--ghost', opacity: 0.55 };
+      const capsules = { names: joints.names, bones: bonesWithoutVisuals(joints) };
+      this.joints = new FigureObject(scene, capsules, {
         pointRadius: 0.013,
-        color: '--ghost',
         links: true,
-        opacity: 0.55,
+        ...style,
       });
+      if (joints.visuals.length > 0) this.visuals = new VisualObject(scene, joints.visuals, style);
     }
     if (motion.contacts.length > 0) this.contacts = new ContactObject(scene, motion.markers.names);
     this.trails = new TrailObject(scene, motion.markers);
@@ -116,7 +121,9 @@ export class MotionStage {
     this.shownFrame = frame < motion.receivedFrames ? frame : -1;
     const positions = frameOf(motion.markers, frame);
     this.markers?.update(positions);
-    this.joints?.update(frameOf(motion.joints, frame));
+    const joints = frameOf(motion.joints, frame);
+    this.joints?.update(joints);
+    this.visuals?.update(joints, rotationsOf(motion.joints, frame));
     this.contacts?.update(motion.contacts[frame] ?? 0, positions);
     if (this.shown.has('trails'))
       this.trails?.update(frame, Math.round(kTrailSeconds * motion.frameRateHz));
@@ -144,7 +151,8 @@ export class MotionStage {
 
   private applyParts(): void {
     if (this.markers) this.markers.visible = this.shown.has('markers');
-    if (this.joints) this.joints.visible = this.shown.has('joints');
+    for (const part of [this.joints, this.visuals])
+      if (part) part.visible = this.shown.has('joints');
     if (this.contacts) this.contacts.visible = this.shown.has('contacts');
     this.trails?.show(this.shown.has('trails') ? this.trailPoints : []);
   }
@@ -161,9 +169,10 @@ export class MotionStage {
   }
 
   private clear(): void {
-    for (const part of [this.floor, this.markers, this.joints, this.contacts, this.trails])
-      part?.dispose();
+    const { floor, markers, joints, visuals, contacts, trails } = this;
+    for (const part of [floor, markers, joints, visuals, contacts, trails]) part?.dispose();
     this.floor = this.markers = this.joints = this.contacts = this.trails = undefined;
+    this.visuals = undefined;
     this.motion = undefined;
     this.shownFrame = -1;
   }

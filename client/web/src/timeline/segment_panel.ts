@@ -1,4 +1,5 @@
 import { Code } from '@connectrpc/connect';
+import type { Connection } from '../api/connection';
 import { hasCode } from '../api/errors';
 import { SegmentSource, type Operation, type WatchDatabaseResponse } from '../api/messages';
 import { button, element, labelled, replaceChildren } from '../dom/element';
@@ -11,6 +12,7 @@ import type { Api } from '../api/api';
 
 export interface SegmentPanelOptions {
   api: Api;
+  connection: Connection;
   clip: string;
   clock: PlaybackClock;
   editable: boolean;
@@ -77,7 +79,7 @@ export class SegmentPanel {
       this.form,
       this.notice.node,
     );
-    this.run(() => this.store.reload());
+    this.reload();
   }
 
   // Shows changes of the database by other clients. A form with input that is not saved stays, with
@@ -94,7 +96,7 @@ export class SegmentPanel {
         this.reloadButton(),
       ]);
     } else {
-      this.run(() => this.store.reload());
+      this.reload();
     }
   }
 
@@ -227,8 +229,20 @@ export class SegmentPanel {
 
   private reloadButton(): HTMLElement {
     return button('Load the stored segments', () => {
-      this.run(() => this.store.reload());
+      this.reload();
     });
+  }
+
+  private reload(): void {
+    const { connection, signal } = this.options;
+    this.run(() =>
+      this.store.reload().catch((error: unknown) => {
+        connection.whenRestored(error, signal, () => {
+          this.reload();
+        });
+        throw error;
+      }),
+    );
   }
 }
 

@@ -11,7 +11,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-// Streams that stay open until they are aborted, or fail at once.
+// Streams that stay open until they are aborted, or fail immediately.
 function apiOf(failure?: Code) {
   let streams = 0;
   const databases = {

@@ -51,6 +51,7 @@ export class AuditPanel {
       this.draw();
     } catch (error) {
       this.notice.error(error);
+      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.read());
     }
   }
 

@@ -17,6 +17,7 @@ const kShown = 20;
 export class OperationsPanel {
   readonly node: HTMLElement;
   private readonly notice = new Notice();
+  private readonly cancelNotice = new Notice();
   private readonly list = element('div');
 
   constructor(
@@ -28,6 +29,7 @@ export class OperationsPanel {
       { class: 'panel stack', 'aria-label': 'Operations' },
       element('h2', {}, 'Operations'),
       this.notice.node,
+      this.cancelNotice.node,
       this.list,
     );
     poll(disposer, kPollMilliseconds, () => this.read());
@@ -39,6 +41,7 @@ export class OperationsPanel {
         { pageSize: kShown },
         { signal: this.disposer.signal },
       );
+      this.notice.clear();
       if (!this.list.contains(document.activeElement)) this.draw(operations);
     } catch (error) {
       this.notice.error(error);
@@ -83,13 +86,13 @@ export class OperationsPanel {
   private cancelButton(operation: Operation): HTMLElement {
     const node = button('Cancel', () => {
       node.disabled = true;
-      this.notice.clear();
+      this.cancelNotice.clear();
       this.context.api.operations
         .cancelOperation({ name: operation.name }, { signal: this.disposer.signal })
         .then(() => this.read())
         .catch((error: unknown) => {
           node.disabled = false;
-          this.notice.error(error);
+          this.cancelNotice.error(error);
         });
       node.blur();
     });

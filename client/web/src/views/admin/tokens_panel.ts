@@ -99,9 +99,11 @@ export class TokensPanel {
         tokens.push(...page.tokens);
         pageToken = page.nextPageToken;
       } while (pageToken !== '');
+      this.notice.clear();
       this.draw(tokens);
     } catch (error) {
       this.notice.error(error);
+      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.read());
     }
   }
 

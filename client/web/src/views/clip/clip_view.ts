@@ -8,7 +8,7 @@ import { Notice } from '../../dom/notice';
 import { durationOf, type Motion } from '../../motion/motion';
 import { driveClock } from '../../player/clock_driver';
 import { PlaybackClock } from '../../player/playback_clock';
-import { PlayerControls } from '../../player/player_controls';
+import { PlayerControls, speedOf } from '../../player/player_controls';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
 import { kStageParts, type StagePart } from '../../stage/motion_stage';
 import { ContactRibbon } from '../../timeline/contact_ribbon';
@@ -84,6 +84,7 @@ class ClipView {
       if (clip && !this.disposer.disposed) this.show(clip);
     } catch (error) {
       this.notice.error(error, [button('Try again', () => void this.start())]);
+      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.start());
     }
   }
 
@@ -93,11 +94,15 @@ class ClipView {
 
   private show(clip: Clip): void {
     const { query } = this;
-    this.clock.speed = Number(query.get('speed') ?? 1) || 1;
+    this.clock.speed = speedOf(query.get('speed'));
+    this.clock.loop = query.get('loop') !== '0';
     const shown = query.get('show')?.split(',');
     const parts = kStageParts.filter((part) => shown?.includes(part) ?? part !== 'joints');
     const pane = this.openPane(clip, parts);
-    const player = new PlayerControls(this.clock);
+    const player = new PlayerControls(this.clock, () => {
+      const { speed, loop } = this.clock;
+      this.context.setQuery({ speed: speed === 1 ? null : speed, loop: loop ? null : '0' });
+    });
     const compare = new ComparePanel(
       this.context,
       this.params,
@@ -180,13 +185,14 @@ class ClipView {
       this.disposer.signal,
       {
         started: (motion) => {
+          if (this.segments) return; // loading was tried again
           this.clock.resize(
             durationOf(motion),
             motion.frameRateHz,
             Number(this.query.get('t') ?? 0),
           );
           if (pane.stage.scene?.orbit.restore(this.query.get('camera'))) pane.stage.keepCamera();
-          this.openSegments(clip, motion);
+          this.openSegments(clip, pane, motion);
         },
         completed: (motion) => {
           this.openCurves(motion, pane);
@@ -204,9 +210,10 @@ class ClipView {
     return pane;
   }
 
-  private openSegments(clip: Clip, motion: Motion): void {
+  private openSegments(clip: Clip, pane: MotionPane, motion: Motion): void {
     const panel = new SegmentPanel({
       api: this.context.api,
+      connection: this.context.connection,
       clip: clip.name,
       clock: this.clock,
       editable: mayActAs(this.context.session, 'ingester'),
@@ -221,7 +228,7 @@ class ClipView {
       const ribbon = new ContactRibbon(this.context.theme);
       panel.timeline.addRow(ribbon.node);
       ribbon.draw(motion.contacts);
-      this.drawContactsLater(ribbon, motion);
+      this.drawContactsLater(ribbon, pane);
     }
     const show = () => {
       panel.timeline.show(this.clock.time);
@@ -231,11 +238,13 @@ class ClipView {
   }
 
   // Draws the ribbon again when the rest of the motion has arrived.
-  private drawContactsLater(ribbon: ContactRibbon, motion: Motion): void {
+  private drawContactsLater(ribbon: ContactRibbon, pane: MotionPane): void {
     this.disposer.add(() => {
       ribbon.dispose();
     });
     const timer = setInterval(() => {
+      const { motion } = pane;
+      if (!motion) return;
       ribbon.draw(motion.contacts);
       if (motion.receivedFrames >= motion.frameCount) clearInterval(timer);
     }, 300);

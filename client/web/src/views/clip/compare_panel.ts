@@ -134,6 +134,7 @@ export class ComparePanel {
     } catch (error) {
       this.stages.classList.remove('pair');
       this.notice.error(error);
+      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.openClip());
     }
   }
 

@@ -72,6 +72,7 @@ export class MotionPane {
       this.loading.hidden = true;
       if (describeError(error) && !this.signal.aborted) {
         this.notice.error(error, [button('Try again', () => void this.load())]);
+        this.context.connection.whenRestored(error, this.signal, () => void this.load());
       }
     }
   }

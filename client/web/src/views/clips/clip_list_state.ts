@@ -5,7 +5,8 @@ export interface ClipListState {
   // Words of the full-text search; empty: the list in order.
   search: string;
   orderBy: string;
-  // Tokens of the pages up to the present one; the first page has none.
+  // Tokens of the pages up to the present one; the first page has none. Empty: not known, because
+  // the URL has only the token of its page.
   pages: string[];
 }
 
@@ -17,7 +18,7 @@ export function stateOf(query: URLSearchParams): ClipListState {
     filter: query.get('filter') ?? '',
     search: query.get('search') ?? '',
     orderBy: query.get('order') ?? 'name',
-    pages: [],
+    pages: pagesOf(query),
   };
 }
 
@@ -27,7 +28,22 @@ export function queryOf(state: ClipListState): Record<string, string | null> {
     filter: state.filter,
     search: state.search,
     order: state.orderBy === 'name' ? null : state.orderBy,
+    page: state.pages.length === 0 ? null : String(state.pages.length + 1),
+    after: state.pages.at(-1) ?? null,
   };
+}
+
+// The tokens of the page before; those of the first page if its token is not known.
+export function previousPages(pages: readonly string[]): string[] {
+  const before = pages.slice(0, -1);
+  return before.at(-1) === '' ? [] : before;
+}
+
+function pagesOf(query: URLSearchParams): string[] {
+  const after = query.get('after') ?? '';
+  const page = Number(query.get('page'));
+  if (after === '' || !Number.isInteger(page) || page < 2 || page > 1e6) return [];
+  return [...Array<string>(page - 2).fill(''), after];
 }
 
 // The order after a click on the heading of a field: ascending, then descending.

@@ -9,7 +9,7 @@ import { Notice } from '../../dom/notice';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
 import { watchDatabase } from '../../watch/database_watch';
 import { OperationProgress } from '../operation_progress';
-import { kFacetFields, kPageSize, queryOf, stateOf } from './clip_list_state';
+import { kFacetFields, kPageSize, previousPages, queryOf, stateOf } from './clip_list_state';
 import { ClipTable } from './clip_table';
 import { FacetPanel } from './facet_panel';
 import { FilterBox } from './filter_box';
@@ -144,6 +144,12 @@ class ClipsView {
     void this.read();
   }
 
+  private turnTo(pages: string[]): void {
+    this.state.pages = pages;
+    this.context.setQuery(queryOf(this.state));
+    void this.read();
+  }
+
   // Changes of other clients come in bursts, for example while files are ingested.
   private readSoon(): void {
     this.timer ??= setTimeout(() => {
@@ -207,13 +213,11 @@ class ClipsView {
         ? `${count(page.total)} clips`
         : `Clips ${count(first + 1)} to ${count(first + page.clips.length)} of ${count(page.total)}`;
     const previous = button('Previous page', () => {
-      this.state.pages.pop();
-      void this.read();
+      this.turnTo(previousPages(this.state.pages));
     });
     previous.disabled = this.state.pages.length === 0;
     const next = button('Next page', () => {
-      this.state.pages.push(page.next);
-      void this.read();
+      this.turnTo([...this.state.pages, page.next]);
     });
     next.disabled = page.next === '';
     replaceChildren(this.pager, previous, next);

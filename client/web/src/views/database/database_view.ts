@@ -72,7 +72,9 @@ class DatabasePage implements View {
     });
     this.panel = new MapPanel({
       theme: context.theme,
-      label: 'States in principal axes. Keys: arrows turn, + and - zoom, [ and ] change the layer.',
+      label:
+        'States in principal axes. Keys: arrows turn, Shift and arrows move, + and - zoom, ' +
+        '[ and ] change the layer.',
       onPoint: (node) => {
         if (this.map && node >= 0) this.nodePanel.show(this.map, node);
       },
@@ -156,6 +158,7 @@ class DatabasePage implements View {
       );
     } catch (error) {
       if (!signal.aborted) this.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => void this.load());
     } finally {
       if (!signal.aborted) this.panel.node.removeAttribute('aria-busy');
     }
@@ -184,6 +187,7 @@ class DatabasePage implements View {
     this.variance.textContent = `Variance along the principal axes: ${parts.join(', ')}`;
     this.axisEnds.show(map, settings.axes).catch((error: unknown) => {
       this.notice.error(error);
+      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.load());
     });
   }
 
@@ -209,7 +213,7 @@ class DatabasePage implements View {
 
   private async loadStatistics(): Promise<void> {
     const notice = new Notice();
-    this.tables.append(notice.node);
+    replaceChildren(this.tables, notice.node);
     try {
       const response = await this.context.api.databases.getDatabase(
         { name: databaseName(this.params.database), view: DatabaseView.FULL },
@@ -226,6 +230,9 @@ class DatabasePage implements View {
       }
     } catch (error) {
       notice.error(error);
+      this.context.connection.whenRestored(error, this.disposer.signal, () => {
+        void this.loadStatistics();
+      });
     }
   }
 }

@@ -1,4 +1,6 @@
+import { arrowOf } from '../../dom/arrow_keys';
 import { element } from '../../dom/element';
+import { FlatCamera, type PicturePlace } from './flat_camera';
 import { strongestTransitions } from './level_of_detail';
 import type { MapAppearance, MapPicture } from './map_picture';
 import { parallelMatrix, pick, projectPoints } from './projection';
@@ -6,15 +8,16 @@ import { extentOf, type StateMap } from './state_map';
 
 const kFlatEdges = 2000;
 const kReach = 14;
+const kKeyStep = 30; // px
 
-// A map without WebGL: a parallel projection of points, nodes and edges. The wheel and the keys +
-// and - zoom.
+// A map without WebGL: a parallel projection of points, nodes and edges. Drag, fingers and arrow keys
+// move it; the wheel, two fingers, and the keys + and - zoom.
 export class MapCanvas implements MapPicture {
   readonly surface: HTMLCanvasElement;
   private map: StateMap | undefined;
   private appearance: MapAppearance | undefined;
   private projected: Float32Array = new Float32Array(0);
-  private zoom = 1;
+  private readonly camera = new FlatCamera();
   private readonly observer: ResizeObserver;
 
   constructor(
@@ -25,12 +28,12 @@ export class MapCanvas implements MapPicture {
     host.append(this.surface);
     this.surface.addEventListener('wheel', (event) => {
       event.preventDefault();
-      this.zoomBy(Math.exp(-event.deltaY / 500));
+      this.zoomBy(Math.exp(-event.deltaY / 500), this.placeOf(event));
     });
     this.surface.addEventListener('keydown', (event) => {
-      if (event.key === '+' || event.key === '=') this.zoomBy(1.2);
-      else if (event.key === '-') this.zoomBy(1 / 1.2);
+      this.press(event);
     });
+    this.listenToPointers();
     this.observer = new ResizeObserver(() => {
       this.redraw();
     });
@@ -60,9 +63,52 @@ export class MapCanvas implements MapPicture {
     this.surface.remove();
   }
 
-  private zoomBy(factor: number): void {
-    this.zoom = Math.min(50, Math.max(0.2, this.zoom * factor));
+  private zoomBy(factor: number, at: PicturePlace = { x: 0, y: 0 }): void {
+    this.camera.zoomAt(factor, at);
     this.redraw();
+  }
+
+  private press(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const arrow = arrowOf(event.key);
+    if (arrow) {
+      event.preventDefault();
+      this.camera.moveBy(-arrow.right * kKeyStep, arrow.up * kKeyStep);
+      this.redraw();
+    } else if (event.key === '+' || event.key === '=') {
+      this.zoomBy(1.2);
+    } else if (event.key === '-') {
+      this.zoomBy(1 / 1.2);
+    }
+  }
+
+  private listenToPointers(): void {
+    const { surface, camera } = this;
+    surface.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0) return;
+      surface.setPointerCapture(event.pointerId);
+      camera.down(event.pointerId, this.placeOf(event));
+    });
+    surface.addEventListener('pointermove', (event) => {
+      if (camera.move(event.pointerId, this.placeOf(event))) this.redraw();
+    });
+    for (const type of ['pointerup', 'pointercancel'] as const)
+      surface.addEventListener(type, (event) => {
+        camera.up(event.pointerId);
+      });
+    // The end of a drag chooses no node.
+    surface.addEventListener('click', (event) => {
+      if (camera.dragged) event.stopImmediatePropagation();
+    });
+  }
+
+  // Px from the middle of the picture.
+  private placeOf(event: MouseEvent): PicturePlace {
+    const box = this.surface.getBoundingClientRect();
+    return {
+      x: event.clientX - box.left - box.width / 2,
+      y: event.clientY - box.top - box.height / 2,
+    };
   }
 
   private redraw(): void {
@@ -75,7 +121,10 @@ export class MapCanvas implements MapPicture {
     this.surface.height = height * devicePixelRatio;
     context.scale(devicePixelRatio, devicePixelRatio);
     const { centre, radius } = extentOf(map);
-    const matrix = parallelMatrix(appearance.axes, centre, radius, width, height, this.zoom);
+    const { zoom, pan } = this.camera;
+    const matrix = parallelMatrix(appearance.axes, centre, radius, width, height, zoom);
+    matrix[12]! += (2 * pan.x) / width;
+    matrix[13]! -= (2 * pan.y) / height;
     this.projected = projectPoints(map.nodes.means, matrix, width, height);
     const points = projectPoints(map.points.positions, matrix, width, height);
     drawDots(context, points, appearance.pointsShown, appearance.pointColors, 1.5);

@@ -1,45 +1,47 @@
 import { Disposer } from '../../dom/disposer';
 import { button, element, svgElement } from '../../dom/element';
+import { Notice } from '../../dom/notice';
 import {
-  contains,
   distance,
   headingOf,
   normalAngle,
-  polygonError,
+  obstacleText,
+  placeText,
+  poseText,
   type FloorPosition,
   type FloorXY,
   type ObstacleShape,
 } from './floor_geometry';
 import { drawFloor, type FloorPath } from './floor_picture';
-import { fitWindow, toFloor, zoomAt, type FloorWindow } from './floor_window';
+import { fitWindow, keepInside, toFloor, zoomAt, type FloorWindow } from './floor_window';
+import {
+  isPoseTool,
+  kCursorTools,
+  kKeys,
+  kTools,
+  stepOf,
+  type FloorTool,
+  type PoseTool,
+} from './floor_tools';
+import { ObstacleDrawing } from './obstacle_drawing';
 
-export type FloorTool = 'goal' | 'disc' | 'polygon' | 'choose' | 'move';
-
-const kTools: readonly (readonly [FloorTool, string])[] = [
-  ['goal', 'Goal: click, drag for the heading'],
-  ['disc', 'Disc: drag from its centre'],
-  ['polygon', 'Polygon: click corners, Enter ends'],
-  ['choose', 'Choose an obstacle'],
-  ['move', 'Move the floor'],
-];
-const kKeys =
-  'Floor. Arrow keys move the goal by 0.1 m, [ and ] turn it, + and - zoom, ' +
-  'Delete removes the chosen or last obstacle.';
+const kZoomStep = 1.2;
 
 export interface FloorEdits {
-  setGoal: (goal: FloorPosition) => void;
+  setPose: (tool: PoseTool, pose: FloorPosition) => void;
   setObstacles: (obstacles: ObstacleShape[]) => void;
-  report: (text: string) => void;
+  // For those who do not see the floor.
+  announce: (text: string) => void;
 }
 
-// The floor from above, where the user places the goal and draws obstacles.
+// The floor from above, where the user places start and goal and draws obstacles.
 export class FloorEditor {
   readonly node = element('div', { class: 'floor-editor stack' });
   private readonly svg = svgElement('svg', {
     class: 'floor',
     tabindex: 0,
     role: 'application',
-    'aria-label': kKeys,
+    'aria-label': 'Floor with start, goal and obstacles',
   });
   private readonly tools = element('div', {
     class: 'row',
@@ -47,21 +49,24 @@ export class FloorEditor {
     'aria-label': 'Tools of the floor',
   });
   private readonly buttons = new Map<FloorTool, HTMLButtonElement>();
+  private readonly notice = new Notice();
   private readonly disposer = new Disposer();
   private window: FloorWindow | undefined;
   private tool: FloorTool = 'goal';
   private dragFrom: FloorXY | undefined;
-  private draft: ObstacleShape | undefined;
-  private chosen = -1;
+  private readonly drawing: ObstacleDrawing;
+  // Where keys draw obstacles.
+  private cursor: FloorXY | undefined;
   private body: FloorPosition | undefined;
   private paths: readonly FloorPath[] = [];
 
   constructor(
-    private goal: FloorPosition,
-    private obstacles: ObstacleShape[],
+    private poses: Readonly<Record<PoseTool, FloorPosition>>,
+    obstacles: ObstacleShape[],
     private readonly edits: FloorEdits,
   ) {
-    for (const [tool, text] of kTools) {
+    this.drawing = new ObstacleDrawing(obstacles, edits.setObstacles);
+    for (const [tool, , text] of kTools) {
       const node = button(text, () => {
         this.choose(tool);
       });
@@ -69,17 +74,31 @@ export class FloorEditor {
       this.tools.append(node);
     }
     const remove = button('Remove obstacle', () => {
-      this.removeObstacle();
+      this.remove();
     });
     const fit = button('Show all', () => {
       this.fit();
     });
-    this.tools.append(remove, fit);
-    this.node.append(this.tools, this.svg);
+    const zoomIn = button('+', () => {
+      this.zoomBy(kZoomStep);
+    });
+    const zoomOut = button('-', () => {
+      this.zoomBy(1 / kZoomStep);
+    });
+    zoomIn.ariaLabel = 'Zoom in';
+    zoomOut.ariaLabel = 'Zoom out';
+    this.tools.append(remove, fit, zoomIn, zoomOut);
+    const keys = element(
+      'details',
+      { class: 'hint' },
+      element('summary', {}, 'Keys of the floor'),
+      kKeys,
+    );
+    this.node.append(this.tools, this.svg, this.notice.node, keys);
     this.choose('goal');
     this.listen();
     const observer = new ResizeObserver(() => {
-      this.fit();
+      this.resize();
     });
     observer.observe(this.svg);
     this.disposer.add(() => {
@@ -88,7 +107,7 @@ export class FloorEditor {
   }
 
   setGoal(goal: FloorPosition): void {
-    this.goal = goal;
+    this.poses = { ...this.poses, goal };
     this.draw();
   }
 
@@ -103,14 +122,23 @@ export class FloorEditor {
     this.draw();
   }
 
-  // Shows start, goal, obstacles and paths.
+  // Shows start, goal, obstacles and paths. While the user drags, the floor stays below the pointer.
   fit(): void {
-    const width = Math.max(1, this.svg.clientWidth);
-    const height = Math.max(1, this.svg.clientHeight);
-    const corners = this.obstacles.flatMap((shape) =>
+    const { width, height } = this.size();
+    if (this.dragFrom && this.window) {
+      this.window = { ...this.window, width, height };
+      this.draw();
+      return;
+    }
+    const corners = this.drawing.obstacles.flatMap((shape) =>
       shape.kind === 'disc' ? [shape.centre] : shape.corners,
     );
-    const points = [this.goal, ...corners, ...this.paths.flatMap(({ poses }) => poses)];
+    const points = [
+      this.poses.start,
+      this.poses.goal,
+      ...corners,
+      ...this.paths.flatMap(({ poses }) => poses),
+    ];
     this.window = fitWindow(points, width, height);
     this.draw();
   }
@@ -119,9 +147,21 @@ export class FloorEditor {
     this.disposer.dispose();
   }
 
+  // An observer also reports the first size, when the user may have placed the goal already.
+  private resize(): void {
+    const { width, height } = this.size();
+    if (this.window?.width !== width || this.window.height !== height) this.fit();
+  }
+
+  private size(): { width: number; height: number } {
+    const { clientWidth, clientHeight } = this.svg;
+    return { width: Math.max(1, clientWidth), height: Math.max(1, clientHeight) };
+  }
+
   private choose(tool: FloorTool): void {
     this.tool = tool;
-    this.draft = undefined;
+    this.drawing.draft = undefined;
+    this.cursor = undefined;
     for (const [name, node] of this.buttons)
       node.setAttribute('aria-pressed', String(name === tool));
     this.draw();
@@ -129,36 +169,39 @@ export class FloorEditor {
 
   private draw(): void {
     if (!this.window) return;
-    const { goal, obstacles, chosen, draft, paths, body } = this;
-    drawFloor(this.svg, this.window, {
-      goal,
-      obstacles,
-      chosenObstacle: chosen,
-      draft,
-      paths,
-      body,
-    });
+    const { poses, drawing, cursor, paths, body } = this;
+    drawFloor(this.svg, this.window, { ...poses, drawing, cursor, paths, body });
   }
 
   private listen(): void {
     const { svg, disposer } = this;
+    // Only the first finger draws.
     disposer.listen<'pointerdown'>(svg, 'pointerdown', (event) => {
       const at = this.floorAt(event);
-      if (event.button !== 0 || !at) return;
+      if (!event.isPrimary || event.button !== 0 || !at) return;
       svg.setPointerCapture(event.pointerId);
-      this.begin(at);
+      this.dragFrom = at;
+      this.cursor = undefined;
+      this.place(at);
     });
     disposer.listen<'pointermove'>(svg, 'pointermove', (event) => {
       const at = this.floorAt(event);
-      if (at && this.dragFrom) this.drag(this.dragFrom, at);
+      if (event.isPrimary && at && this.dragFrom) this.drag(this.dragFrom, at);
     });
     disposer.listen<'pointerup'>(svg, 'pointerup', (event) => {
-      const at = this.floorAt(event);
-      if (at && this.dragFrom) this.end();
+      if (!event.isPrimary) return;
+      if (this.dragFrom && this.tool === 'disc') this.finish();
       this.dragFrom = undefined;
     });
+    disposer.listen<'pointercancel'>(svg, 'pointercancel', (event) => {
+      if (!event.isPrimary) return;
+      this.dragFrom = undefined;
+      if (this.tool === 'disc') this.drop();
+    });
     disposer.listen<'dblclick'>(svg, 'dblclick', () => {
-      this.closePolygon();
+      if (this.tool === 'polygon') this.finish();
+      else if (this.tool === 'disc') this.drawing.joinDoubleClick();
+      this.draw();
     });
     disposer.listen<'wheel'>(svg, 'wheel', (event) => {
       event.preventDefault();
@@ -166,6 +209,7 @@ export class FloorEditor {
       this.zoom(Math.exp(-event.deltaY / 500), event.clientX - box.left, event.clientY - box.top);
     });
     disposer.listen<'keydown'>(svg, 'keydown', (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
       if (this.press(event.key)) {
         event.preventDefault();
         event.stopPropagation();
@@ -178,72 +222,87 @@ export class FloorEditor {
     return this.window && toFloor(this.window, event.clientX - box.left, event.clientY - box.top);
   }
 
-  private begin(at: FloorXY): void {
-    this.dragFrom = at;
-    if (this.tool === 'goal') this.changeGoal({ ...at, heading: this.goal.heading });
-    else if (this.tool === 'disc') this.draft = { kind: 'disc', centre: at, radius: 0.3 };
-    else if (this.tool === 'polygon') this.addCorner(at);
-    else if (this.tool === 'choose') {
-      this.chosen = this.obstacles.findIndex((shape) => contains(shape, at));
-    }
+  // What a click does.
+  private place(at: FloorXY): void {
+    const { tool } = this;
+    if (isPoseTool(tool)) this.changePose(tool, { ...this.poses[tool], ...at });
+    else if (this.tool === 'disc') this.drawing.placeDisc(at);
+    else if (this.tool === 'polygon') this.drawing.addCorner(at);
+    else if (this.tool === 'choose') this.drawing.choose(at);
     this.draw();
   }
 
   private drag(from: FloorXY, at: FloorXY): void {
-    if (this.tool === 'goal') {
+    const { tool } = this;
+    if (isPoseTool(tool)) {
       const heading = headingOf(from, at);
-      if (heading !== undefined) this.changeGoal({ ...from, heading });
-    } else if (this.draft?.kind === 'disc') {
-      this.draft = { ...this.draft, radius: Math.max(0.05, distance(from, at)) };
-      this.draw();
-    } else if (this.tool === 'move' && this.window) {
-      const { centre } = this.window;
-      const moved = { x: centre.x + from.x - at.x, y: centre.y + from.y - at.y };
-      this.window = { ...this.window, centre: moved };
-      this.draw();
+      if (heading !== undefined) this.changePose(tool, { ...from, heading });
+    } else if (tool === 'disc') {
+      this.drawing.resizeDisc(distance(from, at));
+    } else if (this.tool === 'move') {
+      this.moveFloor({ x: from.x - at.x, y: from.y - at.y });
     }
-  }
-
-  private end(): void {
-    if (this.draft?.kind !== 'disc') return;
-    this.addObstacle(this.draft);
-  }
-
-  private addCorner(corner: FloorXY): void {
-    const corners = this.draft?.kind === 'polygon' ? this.draft.corners : [];
-    const last = corners.at(-1);
-    if (last && distance(last, corner) < 0.02) return;
-    this.draft = { kind: 'polygon', corners: [...corners, corner] };
-  }
-
-  private closePolygon(): void {
-    if (this.draft?.kind !== 'polygon') return;
-    const error = polygonError(this.draft.corners);
-    if (error === '') this.addObstacle(this.draft);
-    else this.edits.report(error);
-  }
-
-  private addObstacle(shape: ObstacleShape): void {
-    this.draft = undefined;
-    this.changeObstacles([...this.obstacles, shape]);
-  }
-
-  private removeObstacle(): void {
-    const at = this.chosen >= 0 ? this.chosen : this.obstacles.length - 1;
-    this.chosen = -1;
-    this.changeObstacles(this.obstacles.filter((_, i) => i !== at));
-  }
-
-  private changeObstacles(obstacles: ObstacleShape[]): void {
-    this.obstacles = obstacles;
-    this.edits.setObstacles(obstacles);
     this.draw();
   }
 
-  private changeGoal(goal: FloorPosition): void {
-    this.goal = { ...goal, heading: normalAngle(goal.heading) };
-    this.edits.setGoal(this.goal);
+  private finish(): void {
+    if (!this.drawing.draft) return;
+    const error = this.drawing.finish();
+    if (error === '') this.announceCount();
+    this.showError(error);
     this.draw();
+  }
+
+  private remove(): void {
+    const { draft } = this.drawing;
+    this.drawing.remove();
+    this.showError('');
+    const left = this.drawing.draft;
+    if (left) this.edits.announce(obstacleText(left));
+    else if (draft) this.edits.announce('Nothing is drawn.');
+    else this.announceCount();
+    this.draw();
+  }
+
+  // Drops what is drawn or chosen.
+  private drop(): void {
+    this.drawing.draft = undefined;
+    this.drawing.chosen = -1;
+    this.showError('');
+    this.draw();
+  }
+
+  private announceCount(): void {
+    this.edits.announce(`Obstacles: ${this.drawing.obstacles.length}.`);
+  }
+
+  private showError(error: string): void {
+    if (error === '') this.notice.clear();
+    else this.notice.error(new Error(error));
+  }
+
+  private moveFloor({ x, y }: FloorXY): void {
+    if (!this.window) return;
+    const { centre } = this.window;
+    this.window = { ...this.window, centre: { x: centre.x + x, y: centre.y + y } };
+  }
+
+  private changePose(tool: PoseTool, pose: FloorPosition): void {
+    const changed = { ...pose, heading: normalAngle(pose.heading) };
+    this.poses = { ...this.poses, [tool]: changed };
+    this.edits.setPose(tool, changed);
+    this.draw();
+  }
+
+  private changeByKey(tool: PoseTool, pose: FloorPosition): void {
+    this.changePose(tool, pose);
+    const name = tool === 'goal' ? 'Goal' : 'Start';
+    this.edits.announce(`${name} ${poseText(this.poses[tool])}`);
+  }
+
+  private zoomBy(factor: number): void {
+    const { width = 0, height = 0 } = this.window ?? {};
+    this.zoom(factor, width / 2, height / 2);
   }
 
   private zoom(factor: number, left: number, top: number): void {
@@ -251,20 +310,77 @@ export class FloorEditor {
     this.draw();
   }
 
+  // Arrow keys move what the tool places.
+  private move(step: FloorXY): void {
+    const moved = ({ x, y }: FloorXY) => ({ x: x + step.x, y: y + step.y });
+    const { tool } = this;
+    if (isPoseTool(tool)) {
+      const pose = this.poses[tool];
+      this.changeByKey(tool, { ...pose, ...moved(pose) });
+    } else if (tool === 'move') {
+      this.moveFloor(step);
+    } else if (this.window) {
+      this.setCursor(moved(this.cursor ?? this.gridCentre(this.window)));
+    }
+    this.draw();
+  }
+
+  private turn(sign: number): void {
+    const { drawing, poses } = this;
+    if (this.tool === 'disc') {
+      drawing.resizeDisc(drawing.radius - 0.05 * sign);
+      if (drawing.draft) this.edits.announce(obstacleText(drawing.draft));
+    } else {
+      const tool = isPoseTool(this.tool) ? this.tool : 'goal';
+      const heading = poses[tool].heading + (sign * Math.PI) / 18;
+      this.changeByKey(tool, { ...poses[tool], heading });
+    }
+    this.draw();
+  }
+
+  private setCursor(at: FloorXY): void {
+    if (!this.window) return;
+    this.cursor = at;
+    this.window = keepInside(this.window, at);
+    if (this.tool === 'disc') this.drawing.placeDisc(at);
+    this.edits.announce(placeText(at));
+  }
+
+  // The point of the 0.1 m grid at the middle of the window.
+  private gridCentre({ centre }: FloorWindow): FloorXY {
+    return { x: Math.round(10 * centre.x) / 10, y: Math.round(10 * centre.y) / 10 };
+  }
+
+  // A key shows the cursor immediately.
+  private chooseByKey(tool: FloorTool): void {
+    this.choose(tool);
+    if (!kCursorTools.includes(tool) || !this.window) return;
+    this.setCursor(this.gridCentre(this.window));
+    this.draw();
+  }
+
+  private placeByKey(): void {
+    const { cursor, drawing, tool } = this;
+    if (!cursor) return;
+    this.place(cursor);
+    const shape = tool === 'choose' ? drawing.obstacles[drawing.chosen] : drawing.draft;
+    this.edits.announce(shape ? obstacleText(shape) : 'No obstacle here.');
+  }
+
+  // Returns whether the floor uses the key.
   private press(key: string): boolean {
-    const { x, y, heading } = this.goal;
-    const { width = 0, height = 0 } = this.window ?? {};
-    if (key === 'ArrowUp') this.changeGoal({ x: x + 0.1, y, heading });
-    else if (key === 'ArrowDown') this.changeGoal({ x: x - 0.1, y, heading });
-    else if (key === 'ArrowLeft') this.changeGoal({ x, y: y + 0.1, heading });
-    else if (key === 'ArrowRight') this.changeGoal({ x, y: y - 0.1, heading });
-    else if (key === '[') this.changeGoal({ x, y, heading: heading + Math.PI / 18 });
-    else if (key === ']') this.changeGoal({ x, y, heading: heading - Math.PI / 18 });
-    else if (key === '+' || key === '=') this.zoom(1.2, width / 2, height / 2);
-    else if (key === '-') this.zoom(1 / 1.2, width / 2, height / 2);
-    else if (key === 'Delete' || key === 'Backspace') this.removeObstacle();
-    else if (key === 'Enter') this.closePolygon();
-    else if (key === 'Escape') this.choose(this.tool);
+    const step = stepOf(key);
+    const tool = kTools.find(([, letter]) => letter === key.toLowerCase());
+    if (step) this.move(step);
+    else if (tool) this.chooseByKey(tool[0]);
+    else if (key === '[') this.turn(1);
+    else if (key === ']') this.turn(-1);
+    else if (key === '+' || key === '=') this.zoomBy(kZoomStep);
+    else if (key === '-') this.zoomBy(1 / kZoomStep);
+    else if (key === 'Delete' || key === 'Backspace') this.remove();
+    else if (key === ' ' && kCursorTools.includes(this.tool)) this.placeByKey();
+    else if (key === 'Enter') this.finish();
+    else if (key === 'Escape') this.drop();
     else return false;
     return true;
   }

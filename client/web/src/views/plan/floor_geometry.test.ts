@@ -1,5 +1,14 @@
 import { describe, expect, it } from 'vitest';
-import { contains, headingOf, normalAngle, placesEvery, polygonError } from './floor_geometry';
+import {
+  contains,
+  headingOf,
+  normalAngle,
+  obstacleText,
+  placesEvery,
+  placeText,
+  polygonError,
+  poseText,
+} from './floor_geometry';
 
 const xy = (...values: [number, number][]) => values.map(([x, y]) => ({ x, y }));
 
@@ -11,6 +20,23 @@ describe('headingOf', () => {
 
   it('is undefined for a click', () => {
     expect(headingOf({ x: 0, y: 0 }, { x: 0.01, y: 0 })).toBeUndefined();
+  });
+});
+
+describe('texts of places', () => {
+  it('have no negative zero', () => {
+    expect(placeText({ x: -0.04, y: 1.26 })).toBe('0.0 m ahead, 1.3 m to the left');
+    expect(poseText({ x: -1, y: 0, heading: -0.001 })).toBe(
+      '-1.0 m ahead, 0.0 m to the left, heading 0 degrees',
+    );
+  });
+
+  it('tell the obstacle', () => {
+    const disc = { kind: 'disc', centre: { x: 1, y: 2 }, radius: 0.35 } as const;
+    expect(obstacleText(disc)).toBe('Disc, radius 0.35 m, 1.0 m ahead, 2.0 m to the left');
+    expect(obstacleText({ kind: 'polygon', corners: xy([0, 1], [1, 1], [1, 2]) })).toMatch(
+      /^Polygon, 3 corners/,
+    );
   });
 });
 

@@ -1,4 +1,5 @@
-// A point on the floor in the frame of the start: x to the front, y to the left, m.
+// A point on the floor: x to the front, y to the left, m. The frame of the floor is that of the page;
+// the server uses the frame of the start (`toFrame`).
 export interface FloorXY {
   x: number;
   y: number;
@@ -38,6 +39,40 @@ export function normalAngle(angle: number): number {
 
 export function distance(a: FloorXY, b: FloorXY): number {
   return Math.hypot(a.x - b.x, a.y - b.y);
+}
+
+// Text of a place, for those who do not see the floor.
+export function placeText({ x, y }: FloorXY): string {
+  // Adding 0 makes -0 to 0.
+  const tenths = (value: number) => (Math.round(10 * value) / 10 + 0).toFixed(1);
+  return `${tenths(x)} m ahead, ${tenths(y)} m to the left`;
+}
+
+export function poseText(pose: FloorPosition): string {
+  const degrees = Math.round((180 / Math.PI) * pose.heading) + 0;
+  return `${placeText(pose)}, heading ${degrees} degrees`;
+}
+
+export function obstacleText(shape: ObstacleShape): string {
+  return shape.kind === 'disc'
+    ? `Disc, radius ${shape.radius.toFixed(2)} m, ${placeText(shape.centre)}`
+    : `Polygon, ${shape.corners.length} corners, ${placeText(shape.corners[0]!)}`;
+}
+
+// A point of the floor in the frame of a pose on the floor.
+export function toFrame(frame: FloorPosition, point: FloorXY): FloorXY {
+  return rotate({ x: point.x - frame.x, y: point.y - frame.y }, -frame.heading);
+}
+
+// The inverse of `toFrame`.
+export function fromFrame(frame: FloorPosition, point: FloorXY): FloorXY {
+  const { x, y } = rotate(point, frame.heading);
+  return { x: frame.x + x, y: frame.y + y };
+}
+
+function rotate({ x, y }: FloorXY, angle: number): FloorXY {
+  const [cosine, sine] = [Math.cos(angle), Math.sin(angle)];
+  return { x: cosine * x - sine * y, y: sine * x + cosine * y };
 }
 
 // Whether a point is in or on an obstacle.

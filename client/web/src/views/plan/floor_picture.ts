@@ -6,6 +6,7 @@ import {
   type ObstacleShape,
 } from './floor_geometry';
 import { gridStep, toFloor, toPicture, type FloorWindow } from './floor_window';
+import type { ObstacleDrawing } from './obstacle_drawing';
 
 // A root path of a planned motion.
 export interface FloorPath {
@@ -15,12 +16,11 @@ export interface FloorPath {
 }
 
 export interface FloorContent {
+  start: FloorPosition;
   goal: FloorPosition;
-  obstacles: readonly ObstacleShape[];
-  // Index of the chosen obstacle; -1: none.
-  chosenObstacle: number;
-  // A polygon or disc that is being drawn.
-  draft: ObstacleShape | undefined;
+  drawing: ObstacleDrawing;
+  // Where keys draw.
+  cursor: FloorXY | undefined;
   paths: readonly FloorPath[];
   // The body at the present time.
   body: FloorPosition | undefined;
@@ -30,9 +30,10 @@ export interface FloorContent {
 // as in Fig. 16.
 export function drawFloor(svg: SVGSVGElement, window: FloorWindow, content: FloorContent): void {
   svg.setAttribute('viewBox', `0 0 ${window.width} ${window.height}`);
-  const { obstacles, chosenObstacle, draft, paths, goal, body } = content;
+  const { drawing, cursor, paths, start, goal, body } = content;
+  const { obstacles, chosen, draft } = drawing;
   const shapes = obstacles.map((shape, i) =>
-    drawObstacle(window, shape, i === chosenObstacle ? 'obstacle chosen' : 'obstacle'),
+    drawObstacle(window, shape, i === chosen ? 'obstacle chosen' : 'obstacle'),
   );
   if (draft) shapes.push(drawObstacle(window, draft, 'obstacle draft'));
   const ordered = [...paths].sort((a, b) => Number(a.chosen) - Number(b.chosen));
@@ -41,9 +42,10 @@ export function drawFloor(svg: SVGSVGElement, window: FloorWindow, content: Floo
     drawGrid(window),
     ...shapes,
     ...ordered.map((path) => drawPath(window, path)),
-    drawArrow(window, { x: 0, y: 0, heading: 0 }, 'start'),
+    drawArrow(window, start, 'start'),
     drawArrow(window, goal, 'goal'),
     body ? drawArrow(window, body, 'body') : null,
+    cursor ? drawCursor(window, cursor) : null,
   );
 }
 
@@ -94,6 +96,16 @@ function drawArrow(window: FloorWindow, pose: FloorPosition, name: string): SVGG
     svgElement('text', { x: left + 11, y: top + 16 }, name === 'body' ? '' : name),
   );
   return group;
+}
+
+function drawCursor(window: FloorWindow, at: FloorXY): SVGGElement {
+  const { left, top } = toPicture(window, at);
+  return svgElement(
+    'g',
+    { class: 'cursor' },
+    svgElement('line', { x1: left - 10, x2: left + 10, y1: top, y2: top }),
+    svgElement('line', { x1: left, x2: left, y1: top - 10, y2: top + 10 }),
+  );
 }
 
 function drawObstacle(window: FloorWindow, shape: ObstacleShape, name: string): SVGElement {

@@ -1,7 +1,15 @@
 import { describe, expect, it } from 'vitest';
-import { fitWindow, gridStep, toFloor, toPicture, zoomAt } from './floor_window';
+import { fitWindow, gridStep, keepInside, toFloor, toPicture, zoomAt } from './floor_window';
 
 const window = { centre: { x: 1, y: -2 }, scale: 50, width: 600, height: 400 };
+
+describe('keepInside', () => {
+  it('moves the picture only to a point outside', () => {
+    expect(keepInside(window, { x: 2, y: -3 })).toBe(window);
+    const outside = { x: 9, y: -2 };
+    expect(keepInside(window, outside)).toEqual({ ...window, centre: outside });
+  });
+});
 
 describe('toPicture', () => {
   it('is the inverse of toFloor', () => {

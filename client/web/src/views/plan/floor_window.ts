@@ -42,6 +42,13 @@ export function zoomAt(
   return { ...window, scale, centre };
 }
 
+// Moves the picture to a point that is outside.
+export function keepInside(window: FloorWindow, point: FloorXY): FloorWindow {
+  const { left, top } = toPicture(window, point);
+  const inside = left >= 0 && left <= window.width && top >= 0 && top <= window.height;
+  return inside ? window : { ...window, centre: point };
+}
+
 // Shows all points with a margin of 0.7 m; never closer than 6 m across.
 export function fitWindow(points: readonly FloorXY[], width: number, height: number): FloorWindow {
   const xs = points.map((point) => point.x);

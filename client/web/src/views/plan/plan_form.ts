@@ -14,7 +14,7 @@ export class PlanForm {
   private readonly seed: HTMLInputElement;
   private readonly filter: HTMLInputElement;
   private readonly paper: HTMLInputElement;
-  private readonly robot = element('input', { type: 'file', accept: '.urdf,.xml' });
+  private readonly robot = element('input', { type: 'file', accept: '.urdf,.xml,.gz' });
   private readonly clips = element('datalist', { id: 'plan-clips' });
 
   constructor(

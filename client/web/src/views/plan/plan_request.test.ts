@@ -1,7 +1,9 @@
+import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
-import { FileFormat } from '../../api/messages';
+import { FileFormat, PlannedMotionSchema } from '../../api/messages';
 import { planRequest } from './plan_request';
 import { planSettingsOf, queryOfPlan } from './plan_settings';
+import { rootPath } from './planned_motion';
 
 const query = new URLSearchParams({
   clip: 'walk',
@@ -12,12 +14,46 @@ const query = new URLSearchParams({
   seed: '7',
   filter: 'label = walk',
   method: 'paper',
+  motion: '2',
 });
 
 describe('settings of a plan in the URL', () => {
   it('come back unchanged', () => {
     const values = queryOfPlan(planSettingsOf(query));
     for (const [name, value] of query) expect(String(values[name])).toBe(value);
+  });
+});
+
+describe('a start elsewhere on the floor', () => {
+  const settings = planSettingsOf(
+    new URLSearchParams({ start: '2,1,1.571', goal: '2,3,3', obstacles: 'd1,1,0.3_p2,2,3,2,3,3' }),
+  );
+  const { goal, obstacles } = planRequest('demo', settings, undefined);
+
+  it('is the frame of goal and obstacles', () => {
+    // The start looks to the left: the goal is 2 m in front of it.
+    expect(goal?.xM).toBeCloseTo(2, 2);
+    expect(goal?.yM).toBeCloseTo(0, 2);
+    expect(goal?.headingRad).toBeCloseTo(3 - 1.571);
+    expect(obstacles?.discs?.[0]?.centre?.xM).toBeCloseTo(0, 2);
+    expect(obstacles?.discs?.[0]?.centre?.yM).toBeCloseTo(1, 2);
+    expect(obstacles?.polygons?.[0]?.corners?.[2]?.xM).toBeCloseTo(2, 2);
+    expect(obstacles?.polygons?.[0]?.corners?.[2]?.yM).toBeCloseTo(-1, 2);
+  });
+
+  it('is undone for the paths of the answer', () => {
+    const origin = { xM: 0, yM: 0, headingRad: 0 };
+    const planned = create(PlannedMotionSchema, { root: [origin, { ...origin, ...goal }] });
+    const [first, last] = rootPath(planned, settings.start);
+    for (const key of ['x', 'y', 'heading'] as const) {
+      expect(first?.[key]).toBeCloseTo(settings.start[key]);
+      expect(last?.[key]).toBeCloseTo(settings.goal[key]);
+    }
+  });
+
+  it('comes back in the URL', () => {
+    expect(queryOfPlan(settings)['start']).toBe('2,1,1.571');
+    expect(queryOfPlan(planSettingsOf(new URLSearchParams()))['start']).toBeNull();
   });
 });
 

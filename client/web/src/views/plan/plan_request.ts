@@ -1,6 +1,7 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { PlanMethod, type FileFormat, type PlanRequestSchema } from '../../api/messages';
 import { clipName, databaseName } from '../../api/resource_names';
+import { normalAngle, toFrame, type FloorXY } from './floor_geometry';
 import type { PlanSettings } from './plan_settings';
 
 export type PlanRequestInit = MessageInitShape<typeof PlanRequestSchema>;
@@ -11,7 +12,7 @@ export interface Robot {
   urdf: Uint8Array;
 }
 
-// The request of a plan. With a format, its motions are also files: the same seed gives the same
+// The request of a plan, in the frame of its start. With a format, its motions are also files: the same seed gives the same
 // motions again.
 export function planRequest(
   database: string,
@@ -19,8 +20,11 @@ export function planRequest(
   robot: Robot | undefined,
   format?: FileFormat,
 ): PlanRequestInit {
-  const { clip, time, goal, obstacles, alternatives, seed, filter, paper } = settings;
-  const point = ({ x, y }: { x: number; y: number }) => ({ xM: x, yM: y });
+  const { clip, time, start, goal, obstacles, alternatives, seed, filter, paper } = settings;
+  const point = (place: FloorXY) => {
+    const { x, y } = toFrame(start, place);
+    return { xM: x, yM: y };
+  };
   const discs = obstacles.flatMap((shape) =>
     shape.kind === 'disc' ? [{ centre: point(shape.centre), radiusM: shape.radius }] : [],
   );
@@ -29,7 +33,7 @@ export function planRequest(
   );
   return {
     database: databaseName(database),
-    goal: { ...point(goal), headingRad: goal.heading },
+    goal: { ...point(goal), headingRad: normalAngle(goal.heading - start.heading) },
     alternativeCount: alternatives,
     seed,
     filter,

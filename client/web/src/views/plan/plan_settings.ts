@@ -1,5 +1,5 @@
 import type { FloorPosition, ObstacleShape } from './floor_geometry';
-import { goalOf, goalText, obstaclesOf, obstaclesText } from './plan_url';
+import { poseOf, poseTextOf, obstaclesOf, obstaclesText } from './plan_url';
 
 // What is planned. All of it is in the URL; a robot is not.
 export interface PlanSettings {
@@ -7,6 +7,8 @@ export interface PlanSettings {
   clip: string;
   // Moment of the clip, s.
   time: number;
+  // Where the motion starts on the floor.
+  start: FloorPosition;
   goal: FloorPosition;
   obstacles: ObstacleShape[];
   alternatives: number;
@@ -14,31 +16,38 @@ export interface PlanSettings {
   filter: string;
   // The method of the paper instead of the server's default.
   paper: boolean;
+  // Index of the motion that is shown, best first.
+  motion: number;
 }
 
 export function planSettingsOf(query: URLSearchParams): PlanSettings {
   return {
     clip: query.get('clip') ?? '',
     time: numberOf(query.get('time'), 0, 1e6) ?? 0,
-    goal: goalOf(query.get('goal') ?? '') ?? { x: 2, y: 1, heading: 0 },
+    start: poseOf(query.get('start') ?? '') ?? { x: 0, y: 0, heading: 0 },
+    goal: poseOf(query.get('goal') ?? '') ?? { x: 2, y: 1, heading: 0 },
     obstacles: obstaclesOf(query.get('obstacles') ?? ''),
     alternatives: Math.round(numberOf(query.get('alternatives'), 0, 10) ?? 2),
     seed: Math.round(numberOf(query.get('seed'), 0, 4294967295) ?? 0),
     filter: query.get('filter') ?? '',
     paper: query.get('method') === 'paper',
+    motion: Math.round(numberOf(query.get('motion'), 0, 10) ?? 0),
   };
 }
 
 export function queryOfPlan(settings: PlanSettings): Record<string, string | number | null> {
+  const startText = poseTextOf(settings.start);
   return {
     clip: settings.clip,
     time: settings.time === 0 ? null : settings.time,
-    goal: goalText(settings.goal),
+    start: startText === '0,0,0' ? null : startText,
+    goal: poseTextOf(settings.goal),
     obstacles: obstaclesText(settings.obstacles),
     alternatives: settings.alternatives === 2 ? null : settings.alternatives,
     seed: settings.seed === 0 ? null : settings.seed,
     filter: settings.filter,
     method: settings.paper ? 'paper' : null,
+    motion: settings.motion === 0 ? null : settings.motion,
   };
 }
 

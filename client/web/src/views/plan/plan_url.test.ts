@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { ObstacleShape } from './floor_geometry';
-import { goalOf, goalText, obstaclesOf, obstaclesText } from './plan_url';
+import { poseOf, poseTextOf, obstaclesOf, obstaclesText } from './plan_url';
 
 describe('obstacles in a URL', () => {
   const shapes: ObstacleShape[] = [
@@ -28,7 +28,7 @@ describe('obstacles in a URL', () => {
 
 describe('goal in a URL', () => {
   it('comes back to 1 mm', () => {
-    expect(goalOf(goalText({ x: 2, y: 1, heading: 0.78539 }))).toEqual({
+    expect(poseOf(poseTextOf({ x: 2, y: 1, heading: 0.78539 }))).toEqual({
       x: 2,
       y: 1,
       heading: 0.785,
@@ -36,6 +36,6 @@ describe('goal in a URL', () => {
   });
 
   it('is undefined for other text', () => {
-    for (const text of ['', '1,2', '1,2,x', 'Infinity,0,0']) expect(goalOf(text)).toBeUndefined();
+    for (const text of ['', '1,2', '1,2,x', 'Infinity,0,0']) expect(poseOf(text)).toBeUndefined();
   });
 });

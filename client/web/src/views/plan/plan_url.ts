@@ -27,13 +27,13 @@ export function obstaclesOf(text: string): ObstacleShape[] {
   });
 }
 
-// Text of a goal, `x,y,heading`.
-export function goalText(goal: FloorPosition): string {
-  return numbersText([goal.x, goal.y, goal.heading]);
+// Text of a pose, `x,y,heading`.
+export function poseTextOf(pose: FloorPosition): string {
+  return numbersText([pose.x, pose.y, pose.heading]);
 }
 
-// The goal of a text; undefined if it is not valid.
-export function goalOf(text: string): FloorPosition | undefined {
+// The pose of a text; undefined if it is not valid.
+export function poseOf(text: string): FloorPosition | undefined {
   const [x, y, heading] = numbersOf(text);
   return x === undefined || y === undefined || heading === undefined
     ? undefined

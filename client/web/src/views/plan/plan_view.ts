@@ -41,6 +41,8 @@ class PlanPage implements View {
   private readonly stage: MotionStage;
   private readonly clock = new PlaybackClock(0, 60);
   private readonly player: PlayerControls;
+  private readonly hint = element('p', { class: 'overlay' }, 'The planned motion appears here.');
+  private readonly downloads: readonly HTMLButtonElement[];
   private readonly answer = element('section', {
     class: 'panel stack',
     hidden: true,
@@ -60,7 +62,7 @@ class PlanPage implements View {
     private readonly params: ViewParams,
   ) {
     this.settings = planSettingsOf(params.query);
-    const { goal, obstacles } = this.settings;
+    const { start, goal, obstacles } = this.settings;
     this.form = new PlanForm(
       this.settings,
       (changes) => {
@@ -69,32 +71,36 @@ class PlanPage implements View {
       },
       () => void this.plan(),
     );
-    this.floor = new FloorEditor(goal, obstacles, {
-      setGoal: (changed) => {
-        this.change({ goal: changed });
-        this.form.showGoal(changed);
+    this.floor = new FloorEditor({ start, goal }, obstacles, {
+      setPose: (tool, pose) => {
+        this.change({ [tool]: pose });
+        if (tool === 'goal') this.form.showGoal(pose);
       },
       setObstacles: (changed) => {
         this.change({ obstacles: changed });
       },
-      report: (text) => {
-        this.notice.error(new Error(text));
+      announce: (text) => {
+        this.context.announce(text);
       },
     });
-    this.results = new PlanResults((index) => void this.show(index));
+    this.results = new PlanResults((index) => {
+      this.change({ motion: index });
+      void this.show(index);
+    });
     this.stage = new MotionStage(context.theme, 'The planned motion', [
       'markers',
       'joints',
       'follow',
     ]);
+    if (this.stage.scene) this.stage.node.append(this.hint);
     this.player = new PlayerControls(this.clock);
-    const downloads = kDownloads.map(([name, format]) =>
+    this.downloads = kDownloads.map(([name, format]) =>
       button(`Download ${name}`, () => void this.download(format)),
     );
     this.answer.append(
       this.results.node,
       this.player.node,
-      element('div', { class: 'row' }, ...downloads),
+      element('div', { class: 'row' }, ...this.downloads),
     );
     const pictures = element('div', { class: 'plan-layout' }, this.floor.node, this.stage.node);
     const title = element('h1', {}, `Plan ${params.database}`);
@@ -104,7 +110,7 @@ class PlanPage implements View {
         { class: 'stack' },
         title,
         this.form.node,
-        this.notice.node,
+        element('div', { class: 'plan-notice' }, this.notice.node),
         pictures,
         this.answer,
       ),
@@ -115,7 +121,7 @@ class PlanPage implements View {
   start(): void {
     this.floor.fit();
     void this.offerNames();
-    if (this.params.query.has('goal')) void this.plan();
+    if (this.params.query.has('goal')) void this.plan(this.settings.motion);
   }
 
   close(): void {
@@ -133,8 +139,9 @@ class PlanPage implements View {
       this.clock.onChange(() => {
         this.stage.show(this.clock.time);
         const path = this.response && motionsOf(this.response)[this.chosen];
-        if (!path || !this.motion) return;
-        this.floor.showBody(rootPath(path)[frameAt(this.motion, this.clock.time)]);
+        if (!path || !this.motion || !this.planned) return;
+        const { start: from } = this.planned.settings;
+        this.floor.showBody(rootPath(path, from)[frameAt(this.motion, this.clock.time)]);
       }),
     );
     this.disposer.listen<'keydown'>(document, 'keydown', (event) => {
@@ -147,13 +154,15 @@ class PlanPage implements View {
     this.context.setQuery(queryOfPlan(this.settings));
   }
 
-  private async plan(): Promise<void> {
+  // Plans, and shows one of the motions.
+  private async plan(shown = 0): Promise<void> {
     this.planning.abort();
     this.planning = new AbortController();
     const { signal } = this.planning;
     const { database } = this.params;
+    this.change({ motion: shown });
     const { settings } = this;
-    this.change({});
+    this.showPlanning(true);
     try {
       this.notice.message('Planning ...');
       const robot = await readRobot(this.form.robotFile);
@@ -163,24 +172,33 @@ class PlanPage implements View {
       this.response = response;
       this.planned = { settings, robot };
       this.answer.hidden = false;
-      await this.show(0);
+      await this.show(Math.min(shown, motionsOf(response).length - 1));
       this.floor.fit();
       this.context.announce(`${motionsOf(response).length} motions found. ${response.missing}`);
     } catch (error) {
       if (!signal.aborted) this.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => void this.plan(shown));
+    } finally {
+      if (this.planning.signal === signal) this.showPlanning(false);
     }
+  }
+
+  // During a search, the answer and its files are those of the search before.
+  private showPlanning(planning: boolean): void {
+    this.answer.setAttribute('aria-busy', String(planning));
+    for (const download of this.downloads) download.disabled = planning;
   }
 
   // Shows one of the motions of the response.
   private async show(index: number): Promise<void> {
-    const { response } = this;
-    if (!response) return;
+    const { response, planned: asked } = this;
+    if (!response || !asked) return;
     this.chosen = index;
     const motions = motionsOf(response);
     this.results.show(response, index);
     this.floor.showPaths(
       motions.map((motion, i) => ({
-        poses: rootPath(motion),
+        poses: rootPath(motion, asked.settings.start),
         frameRateHz: motion.frameRateHz,
         chosen: i === index,
       })),
@@ -196,6 +214,7 @@ class PlanPage implements View {
       this.motion = stageMotion('plan', planned, figure?.markerBones ?? []);
       this.clock.pause();
       this.clock.resize(planned.frameCount / planned.frameRateHz, planned.frameRateHz, 0);
+      this.hint.remove();
       this.stage.setMotion(this.motion);
       this.stage.complete();
       this.clock.seek(0);
@@ -232,6 +251,11 @@ class PlanPage implements View {
       this.form.offer(clips.map(({ name }) => lastPart(name)));
     } catch (error) {
       if (!this.disposer.disposed) this.notice.error(error);
+      this.context.connection.whenRestored(
+        error,
+        this.disposer.signal,
+        () => void this.offerNames(),
+      );
     }
   }
 }

@@ -1,6 +1,6 @@
 import type { Bone, PlannedMotion } from '../../api/messages';
-import { copyFrames, createMotion, type Motion } from '../../motion/motion';
-import type { FloorPosition } from './floor_geometry';
+import { copyFrames, copyRotations, createMotion, type Motion } from '../../motion/motion';
+import { fromFrame, normalAngle, type FloorPosition } from './floor_geometry';
 
 // A planned motion for the stage: markers with the bones of the database's figure, and the joints of
 // the body, a stored skeleton or a robot.
@@ -13,6 +13,7 @@ export function stageMotion(name: string, planned: PlannedMotion, bones: readonl
       markerBones: [...bones],
       jointNames: planned.jointNames,
       jointBones: planned.jointBones,
+      jointVisuals: planned.jointVisuals,
     },
     planned.frameRateHz,
     planned.frameCount,
@@ -21,11 +22,15 @@ export function stageMotion(name: string, planned: PlannedMotion, bones: readonl
   );
   copyFrames(motion.markers, 0, planned.markerPositions);
   copyFrames(motion.joints, 0, planned.jointPositions);
+  copyRotations(motion.joints, 0, planned.jointRotations);
   motion.receivedFrames = planned.frameCount;
   return motion;
 }
 
-// The path of the root on the floor.
-export function rootPath(planned: PlannedMotion): FloorPosition[] {
-  return planned.root.map(({ xM, yM, headingRad }) => ({ x: xM, y: yM, heading: headingRad }));
+// The path of the root on the floor, for a motion that was planned from `start`.
+export function rootPath(planned: PlannedMotion, start: FloorPosition): FloorPosition[] {
+  return planned.root.map(({ xM, yM, headingRad }) => ({
+    ...fromFrame(start, { x: xM, y: yM }),
+    heading: normalAngle(start.heading + headingRad),
+  }));
 }

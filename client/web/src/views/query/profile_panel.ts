@@ -14,7 +14,10 @@ export interface ProfileQuestion {
   observed: ObservedMotion;
   filter: string;
   window: number;
+  // Empty: bottom, middle and upper layer.
   layers: readonly number[];
+  // Called with the layers that are shown.
+  chosen: (layers: number[]) => void;
 }
 
 // Generation probability over time for several layers, one chart for each.
@@ -59,6 +62,7 @@ export class ProfilePanel {
     try {
       const layers = await this.layersOf(question, signal);
       this.layers.value = layers.join(', ');
+      question.chosen(layers);
       this.notice.message('Computing the probabilities of all clips ...');
       for (const layer of layers) {
         const response = await this.api.queries.recognize(

@@ -131,8 +131,10 @@ class QueryPage implements View {
     this.context.setQuery(queryOfSettings(this.settings));
   }
 
-  // Reads the motion, shows it, and recognizes it; then answers for the moment of the URL.
-  private async ask({ files }: QuerySource): Promise<void> {
+  // Reads the motion, shows it, and recognizes it; then answers for the moment and the layers of the
+  // URL.
+  private async ask(source: QuerySource): Promise<void> {
+    const { files } = source;
     this.asking.abort();
     this.asking = new AbortController();
     const { signal } = this.asking;
@@ -168,9 +170,11 @@ class QueryPage implements View {
       this.notice.clear();
       this.drawRibbon();
       this.context.announce(`${response.windows.length} windows recognized`);
+      if (this.settings.layers.length > 0) void this.loadProfiles();
       if (at !== undefined) await this.askMoment(at);
     } catch (error) {
       if (!signal.aborted) this.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => void this.ask(source));
     }
   }
 
@@ -215,6 +219,7 @@ class QueryPage implements View {
       await this.pathMap.show(answer, signal);
     } catch (error) {
       if (!signal.aborted) this.moment.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => void this.askMoment(at));
     }
   }
 
@@ -236,6 +241,9 @@ class QueryPage implements View {
       filter: filterOf(this.settings),
       window,
       layers,
+      chosen: (shown) => {
+        this.change({ layers: shown });
+      },
     });
   }
 
@@ -252,6 +260,11 @@ class QueryPage implements View {
       );
     } catch (error) {
       if (!this.disposer.disposed) this.notice.error(error);
+      this.context.connection.whenRestored(
+        error,
+        this.disposer.signal,
+        () => void this.offerNames(),
+      );
     }
   }
 }

@@ -7,8 +7,8 @@ import { ribbonAreas, runsOf, windowAt, winnerOf, type LabelledWindow } from './
 const kWidth = 1000;
 const kHeight = 90;
 
-// The probabilities of labels and of unknown motion over time, below a playing motion. A click, or
-// the arrow keys, move the motion.
+// The probabilities of labels and of unknown motion over time, below a playing motion. A click
+// moves the motion; for keys there is the slider of the player.
 export class RecognitionRibbon {
   readonly node = element('section', { class: 'ribbon', 'aria-label': 'Recognition' });
   private readonly picture = svgElement('svg', {

@@ -1,0 +1,71 @@
+// A server that stops and starts again while a view is open.
+import assert from 'node:assert/strict';
+import { execFile } from 'node:child_process';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { promisify } from 'node:util';
+import { newPage } from './support/browser.mjs';
+import { OwnServer } from './support/own_server.mjs';
+import { setup } from './support/setup.mjs';
+
+const run = promisify(execFile);
+const server = new OwnServer(join(setup.folder, 'own.db'));
+
+before(async () => {
+  await server.start();
+  const motiondb = (...command) => run(setup.motiondb, ['--server', server.address, ...command]);
+  await motiondb('create', 'own');
+  await motiondb('ingest', 'own', join(setup.models, '01_01.bvh'), '--label', 'jump');
+});
+after(() => server.stop());
+
+const lost = { expected: [/Failed to load resource/, /ERR_/] };
+const banner = (page) => page.getByText('Connection lost.', { exact: false });
+
+async function open(t, place) {
+  const page = await newPage(t, { ...lost, server: server.url });
+  await page.goto(`${server.url}/#/${place}`);
+  return page;
+}
+
+// The place of a view, the same view at another place, and its data.
+const views = [
+  ['clips', 'clips/own', 'clips/own?order=label', (page) => page.locator('main tbody tr').first()],
+  ['clip', 'clip/own/01_01', 'clip/own/01_01?t=1', (page) => page.locator('.timeline').getByText('jump').first()],
+  ['database', 'database/own', 'database/own?layer=1', (page) => page.getByText('Variance along').first()],
+];
+
+for (const [name, place, other, data] of views) {
+  test(`the view ${name} that fails without a server recovers without a click`, async (t) => {
+    const page = await open(t, place);
+    await data(page).waitFor();
+    await server.stop(name === 'clip' ? 'SIGKILL' : 'SIGTERM');
+    try {
+      // The database view makes no call that could fail.
+      await banner(page).waitFor();
+      await page.evaluate((hash) => { location.hash = hash; }, `/${other}`);
+      await page.locator('main .notice.error').first().waitFor();
+      assert.equal(await data(page).count(), 0);
+    } finally {
+      await server.start();
+    }
+    await data(page).waitFor();
+    await banner(page).waitFor({ state: 'detached' });
+    await page.waitForFunction(() => document.querySelectorAll('.notice.error:not([hidden])').length === 0);
+  });
+}
+
+test('a view whose scripts could not be loaded opens when the server is back', async (t) => {
+  const page = await open(t, 'clips/own');
+  await page.locator('main tbody tr').first().waitFor();
+  await server.stop();
+  try {
+    await page.evaluate(() => { location.hash = '/database/own'; });
+    await page.locator('main .notice.error').first().waitFor();
+    await banner(page).waitFor();
+  } finally {
+    await server.start();
+  }
+  await page.getByText('Variance along').first().waitFor();
+  assert.equal(await banner(page).count(), 0);
+});

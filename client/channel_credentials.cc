@@ -41,7 +41,7 @@ absl::Status ReadPem(const char* option, const std::string& path, std::string& t
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFor(
-    const ClientOptions& options) {
+    const ClientOptions& options, const std::vector<std::string>& addresses) {
   if (!std::all_of(options.token.begin(), options.token.end(), absl::ascii_isgraph)) {
     return absl::InvalidArgumentError(
         "the token contains spaces or other characters that a token cannot have");
@@ -52,7 +52,7 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFor(
         "ClientOptions: expected either credentials, or tls and token; both are set");
   }
   if (!options.tls) {
-    if (options.token.empty() || IsLoopback(options.server)) {
+    if (options.token.empty() || std::all_of(addresses.begin(), addresses.end(), IsLoopback)) {
       return grpc::InsecureChannelCredentials();
     }
     return absl::InvalidArgumentError(

@@ -5,14 +5,16 @@
 #include <motiondb/client_options.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 
 namespace motiondb::client {
 
-// INVALID_ARGUMENT: contradictory options, an unreadable file, or a token that would be sent in
-// plain text to another machine.
+// `addresses`: those in options.server. INVALID_ARGUMENT: contradictory options, an unreadable
+// file, or a token that would be sent in plain text to another machine.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFor(
-    const ClientOptions& options);
+    const ClientOptions& options, const std::vector<std::string>& addresses);
 
 }  // namespace motiondb::client

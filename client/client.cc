@@ -14,9 +14,6 @@ namespace motiondb::client {
 namespace {
 
 absl::Status Check(const ClientOptions& options) {
-  if (options.server.empty()) {
-    return absl::InvalidArgumentError("ClientOptions::server is empty; expected HOST:PORT");
-  }
   if (options.connect_timeout.count() <= 0 || options.call_timeout.count() <= 0) {
     return absl::InvalidArgumentError("ClientOptions: a timeout must be positive");
   }
@@ -30,10 +27,12 @@ absl::Status Check(const ClientOptions& options) {
 
 absl::StatusOr<Client> Client::Connect(ClientOptions options) {
   if (const absl::Status status = Check(options); !status.ok()) return status;
-  auto credentials = CredentialsFor(options);
+  const auto addresses = AddressesOf(options.server);
+  if (!addresses.ok()) return addresses.status();
+  auto credentials = CredentialsFor(options, *addresses);
   if (!credentials.ok()) return credentials.status();
   options.credentials = *std::move(credentials);
-  auto connection = std::make_shared<const Connection>(std::move(options));
+  auto connection = std::make_shared<const Connection>(options, *addresses);
   if (const absl::Status status = connection->WaitUntilConnected(); !status.ok()) return status;
   return Client(std::move(connection));
 }
@@ -43,76 +42,83 @@ Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
-// Defines a unary call.
-#define MOTIONDB_UNARY(Method, stub, Service)                                                   \
-  absl::StatusOr<v1::Method##Response> Client::Method(const v1::Method##Request& request,       \
-                                                      CallOptions options) const {              \
-    return connection_->Call(*connection_->stub, &v1::Service::Stub::Method, request, options); \
+// Defines a unary call that only reads, or one that changes something: a change is not made again
+// after a server may have begun it (Connection::Run).
+#define MOTIONDB_UNARY(effect, Method, stub, Service)                                      \
+  absl::StatusOr<v1::Method##Response> Client::Method(const v1::Method##Request& request,  \
+                                                      CallOptions options) const {         \
+    return connection_->Call(effect, &Endpoint::stub, &v1::Service::Stub::Method, request, \
+                             options);                                                     \
   }
+#define MOTIONDB_READ(Method, stub, Service) MOTIONDB_UNARY(Effect::kRead, Method, stub, Service)
+#define MOTIONDB_CHANGE(Method, stub, Service) \
+  MOTIONDB_UNARY(Effect::kChange, Method, stub, Service)
 
-MOTIONDB_UNARY(CreateDatabase, databases, DatabaseService)
-MOTIONDB_UNARY(GetDatabase, databases, DatabaseService)
-MOTIONDB_UNARY(ListDatabases, databases, DatabaseService)
-MOTIONDB_UNARY(DeleteDatabase, databases, DatabaseService)
-MOTIONDB_UNARY(ReprocessDatabase, databases, DatabaseService)
+MOTIONDB_CHANGE(CreateDatabase, databases, DatabaseService)
+MOTIONDB_READ(GetDatabase, databases, DatabaseService)
+MOTIONDB_READ(ListDatabases, databases, DatabaseService)
+MOTIONDB_CHANGE(DeleteDatabase, databases, DatabaseService)
+MOTIONDB_CHANGE(ReprocessDatabase, databases, DatabaseService)
 
-MOTIONDB_UNARY(GetMarkerSet, marker_sets, MarkerSetService)
-MOTIONDB_UNARY(AddMappings, marker_sets, MarkerSetService)
-MOTIONDB_UNARY(DeleteMapping, marker_sets, MarkerSetService)
+MOTIONDB_READ(GetMarkerSet, marker_sets, MarkerSetService)
+MOTIONDB_CHANGE(AddMappings, marker_sets, MarkerSetService)
+MOTIONDB_CHANGE(DeleteMapping, marker_sets, MarkerSetService)
 
-MOTIONDB_UNARY(UploadClip, clips, ClipService)
-MOTIONDB_UNARY(GetClip, clips, ClipService)
-MOTIONDB_UNARY(ListClips, clips, ClipService)
-MOTIONDB_UNARY(UpdateClip, clips, ClipService)
-MOTIONDB_UNARY(SearchClips, clips, ClipService)
-MOTIONDB_UNARY(DeleteClip, clips, ClipService)
-MOTIONDB_UNARY(GetSkeleton, clips, ClipService)
-MOTIONDB_UNARY(ListSkeletons, clips, ClipService)
+MOTIONDB_CHANGE(UploadClip, clips, ClipService)
+MOTIONDB_READ(GetClip, clips, ClipService)
+MOTIONDB_READ(ListClips, clips, ClipService)
+MOTIONDB_CHANGE(UpdateClip, clips, ClipService)
+MOTIONDB_READ(SearchClips, clips, ClipService)
+MOTIONDB_CHANGE(DeleteClip, clips, ClipService)
+MOTIONDB_READ(GetSkeleton, clips, ClipService)
+MOTIONDB_READ(ListSkeletons, clips, ClipService)
 
-MOTIONDB_UNARY(CreateSegment, segments, SegmentService)
-MOTIONDB_UNARY(UpdateSegment, segments, SegmentService)
-MOTIONDB_UNARY(DeleteSegment, segments, SegmentService)
-MOTIONDB_UNARY(ListSegments, segments, SegmentService)
+MOTIONDB_CHANGE(CreateSegment, segments, SegmentService)
+MOTIONDB_CHANGE(UpdateSegment, segments, SegmentService)
+MOTIONDB_CHANGE(DeleteSegment, segments, SegmentService)
+MOTIONDB_READ(ListSegments, segments, SegmentService)
 
-MOTIONDB_UNARY(BatchEdit, edits, EditService)
-MOTIONDB_UNARY(ListEdits, edits, EditService)
-MOTIONDB_UNARY(UndoEdit, edits, EditService)
+MOTIONDB_CHANGE(BatchEdit, edits, EditService)
+MOTIONDB_READ(ListEdits, edits, EditService)
+MOTIONDB_CHANGE(UndoEdit, edits, EditService)
 
-MOTIONDB_UNARY(GetModel, models, ModelService)
-MOTIONDB_UNARY(ListModels, models, ModelService)
-MOTIONDB_UNARY(ListNodes, models, ModelService)
-MOTIONDB_UNARY(ListTransitions, models, ModelService)
+MOTIONDB_READ(GetModel, models, ModelService)
+MOTIONDB_READ(ListModels, models, ModelService)
+MOTIONDB_READ(ListNodes, models, ModelService)
+MOTIONDB_READ(ListTransitions, models, ModelService)
 
-MOTIONDB_UNARY(GetFigure, views, ViewService)
-MOTIONDB_UNARY(GetNodePoses, views, ViewService)
+MOTIONDB_READ(GetFigure, views, ViewService)
+MOTIONDB_READ(GetNodePoses, views, ViewService)
 
-MOTIONDB_UNARY(Recognize, queries, QueryService)
-MOTIONDB_UNARY(Estimate, queries, QueryService)
-MOTIONDB_UNARY(Predict, queries, QueryService)
-MOTIONDB_UNARY(Find, queries, QueryService)
-MOTIONDB_UNARY(Plan, queries, QueryService)
+MOTIONDB_READ(Recognize, queries, QueryService)
+MOTIONDB_READ(Estimate, queries, QueryService)
+MOTIONDB_READ(Predict, queries, QueryService)
+MOTIONDB_READ(Find, queries, QueryService)
+MOTIONDB_READ(Plan, queries, QueryService)
 
-MOTIONDB_UNARY(Represent, observations, ObserveService)
-MOTIONDB_UNARY(ListStreams, observations, ObserveService)
+MOTIONDB_READ(Represent, observations, ObserveService)
+MOTIONDB_READ(ListStreams, observations, ObserveService)
 
-MOTIONDB_UNARY(GetOperation, operations, OperationService)
-MOTIONDB_UNARY(ListOperations, operations, OperationService)
-MOTIONDB_UNARY(CancelOperation, operations, OperationService)
+MOTIONDB_READ(GetOperation, operations, OperationService)
+MOTIONDB_READ(ListOperations, operations, OperationService)
+MOTIONDB_CHANGE(CancelOperation, operations, OperationService)
 
-MOTIONDB_UNARY(CreateToken, access, AccessService)
-MOTIONDB_UNARY(ListTokens, access, AccessService)
-MOTIONDB_UNARY(RevokeToken, access, AccessService)
-MOTIONDB_UNARY(ListAuditEntries, access, AccessService)
+MOTIONDB_CHANGE(CreateToken, access, AccessService)
+MOTIONDB_READ(ListTokens, access, AccessService)
+MOTIONDB_CHANGE(RevokeToken, access, AccessService)
+MOTIONDB_READ(ListAuditEntries, access, AccessService)
 
-MOTIONDB_UNARY(GetServerStatus, server, ServerService)
+MOTIONDB_READ(GetServerStatus, server, ServerService)
 
+#undef MOTIONDB_CHANGE
+#undef MOTIONDB_READ
 #undef MOTIONDB_UNARY
 
 absl::Status Client::ReadStates(
     const v1::ReadStatesRequest& request,
     const std::function<absl::Status(const v1::ReadStatesResponse&)>& on_block,
     CallOptions options) const {
-  return connection_->ReadStream(*connection_->models, &v1::ModelService::Stub::ReadStates, request,
+  return connection_->ReadStream(&Endpoint::models, &v1::ModelService::Stub::ReadStates, request,
                                  on_block, options);
 }
 
@@ -120,15 +126,15 @@ absl::Status Client::ReadClipMotion(
     const v1::ReadClipMotionRequest& request,
     const std::function<absl::Status(const v1::ReadClipMotionResponse&)>& on_block,
     CallOptions options) const {
-  return connection_->ReadStream(*connection_->views, &v1::ViewService::Stub::ReadClipMotion,
-                                 request, on_block, options);
+  return connection_->ReadStream(&Endpoint::views, &v1::ViewService::Stub::ReadClipMotion, request,
+                                 on_block, options);
 }
 
 absl::Status Client::ReadStateMap(
     const v1::ReadStateMapRequest& request,
     const std::function<absl::Status(const v1::ReadStateMapResponse&)>& on_part,
     CallOptions options) const {
-  return connection_->ReadStream(*connection_->views, &v1::ViewService::Stub::ReadStateMap, request,
+  return connection_->ReadStream(&Endpoint::views, &v1::ViewService::Stub::ReadStateMap, request,
                                  on_part, options);
 }
 
@@ -136,7 +142,7 @@ absl::Status Client::PredictSeries(
     const v1::PredictSeriesRequest& request,
     const std::function<absl::Status(const v1::PredictSeriesResponse&)>& on_prediction,
     CallOptions options) const {
-  return connection_->ReadStream(*connection_->queries, &v1::QueryService::Stub::PredictSeries,
+  return connection_->ReadStream(&Endpoint::queries, &v1::QueryService::Stub::PredictSeries,
                                  request, on_prediction, options);
 }
 
@@ -259,9 +265,9 @@ absl::StatusOr<v1::Operation> Client::WaitOperation(
     request.set_name(name);
     request.mutable_timeout()->set_seconds(poll.count() / 1000);
     request.mutable_timeout()->set_nanos(static_cast<int>(poll.count() % 1000) * 1'000'000);
-    auto response =
-        connection_->Call(*connection_->operations, &v1::OperationService::Stub::WaitOperation,
-                          request, CallOptions{.timeout = poll + kPollGrace});
+    auto response = connection_->Call(Effect::kRead, &Endpoint::operations,
+                                      &v1::OperationService::Stub::WaitOperation, request,
+                                      CallOptions{.timeout = poll + kPollGrace});
     if (!response.ok()) return response.status();
     if (on_progress) on_progress(response->operation());
     if (IsDone(response->operation())) return std::move(*response->mutable_operation());

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -21,8 +22,15 @@ BlockReader BlocksOf(std::string_view bytes) {
   };
 }
 
-BlockReader BlocksOf(InputFile& file) {
-  return [&file](std::string& block) { return file.Read(kBlockBytes, block); };
+// A BlockReader can be copied, an open file cannot.
+absl::StatusOr<std::shared_ptr<InputFile>> OpenShared(const std::filesystem::path& path) {
+  auto opened = InputFile::Open(path);
+  if (!opened.ok()) return opened.status();
+  return std::make_shared<InputFile>(*std::move(opened));
+}
+
+BlockReader BlocksOf(std::shared_ptr<InputFile> file) {
+  return [file = std::move(file)](std::string& block) { return file->Read(kBlockBytes, block); };
 }
 
 // Sends all blocks. If the server ended the stream early, returns OK; Finish returns the reason.
@@ -40,27 +48,33 @@ absl::Status Send(grpc::ClientWriter<v1::IngestClipRequest>& writer, const Block
 }  // namespace
 
 absl::StatusOr<v1::IngestClipResponse> Client::Connection::Ingest(
-    const v1::IngestClipHeader& header, const BlockReader& file, const BlockReader& skeleton,
+    const v1::IngestClipHeader& header, const OpenIngestSource& open,
     const CallOptions& options) const {
-  OutgoingCall call(options);
-  Prepare(call);
   v1::IngestClipResponse response;
-  const auto writer = clips->IngestClip(&call.context, &response);
-  v1::IngestClipRequest first;
-  *first.mutable_header() = header;
-  absl::Status sent;
-  if (writer->Write(first)) {
-    sent = Send(*writer, skeleton, [](auto& message) { return message.mutable_skeleton_block(); });
-    if (sent.ok()) {
-      sent = Send(*writer, file, [](auto& message) { return message.mutable_file_block(); });
+  const auto attempt = [&](OutgoingCall& call) -> absl::Status {
+    const auto source = open();
+    if (!source.ok()) return source.status();
+    call.is_repeatable = source->is_repeatable;
+    const auto writer = call.endpoint.clips->IngestClip(&call.context, &response);
+    v1::IngestClipRequest first;
+    *first.mutable_header() = header;
+    absl::Status sent;
+    if (writer->Write(first)) {
+      sent = Send(*writer, source->skeleton,
+                  [](auto& message) { return message.mutable_skeleton_block(); });
+      if (sent.ok()) {
+        sent =
+            Send(*writer, source->file, [](auto& message) { return message.mutable_file_block(); });
+      }
     }
-  }
-  // If a file cannot be read completely, cancel, so that the server does not store a part of it.
-  if (!sent.ok()) call.context.TryCancel();
-  writer->WritesDone();
-  const grpc::Status finished = writer->Finish();
-  if (!sent.ok()) return sent;
-  if (const absl::Status status = Finish(finished, call); !status.ok()) return status;
+    // If a file cannot be read completely, cancel, so that the server does not store a part of it.
+    if (!sent.ok()) call.context.TryCancel();
+    writer->WritesDone();
+    const grpc::Status finished = writer->Finish();
+    return sent.ok() ? Finish(finished, call) : sent;
+  };
+  const absl::Status status = Run(Effect::kChange, options, DatabaseIdOf(header.parent()), attempt);
+  if (!status.ok()) return status;
   return response;
 }
 
@@ -68,26 +82,34 @@ absl::StatusOr<v1::IngestClipResponse> Client::IngestFile(const v1::IngestClipHe
                                                           const std::filesystem::path& file,
                                                           const std::filesystem::path& skeleton,
                                                           CallOptions options) const {
-  auto opened = InputFile::Open(file);
-  if (!opened.ok()) return opened.status();
   v1::IngestClipHeader named = header;
   if (named.file_name().empty()) named.set_file_name(file.filename().string());
-  if (skeleton.empty()) {
-    return connection_->Ingest(named, BlocksOf(*opened), BlocksOf(std::string_view()), options);
-  }
-  auto opened_skeleton = InputFile::Open(skeleton);
-  if (!opened_skeleton.ok()) return opened_skeleton.status();
-  if (named.skeleton_file_name().empty()) {
+  if (named.skeleton_file_name().empty() && !skeleton.empty()) {
     named.set_skeleton_file_name(skeleton.filename().string());
   }
-  return connection_->Ingest(named, BlocksOf(*opened), BlocksOf(*opened_skeleton), options);
+  const auto open = [&]() -> absl::StatusOr<IngestSource> {
+    auto opened = OpenShared(file);
+    if (!opened.ok()) return opened.status();
+    IngestSource source{BlocksOf(*opened), BlocksOf(std::string_view()),
+                        (*opened)->size().has_value()};
+    if (skeleton.empty()) return source;
+    auto opened_skeleton = OpenShared(skeleton);
+    if (!opened_skeleton.ok()) return opened_skeleton.status();
+    source.skeleton = BlocksOf(*opened_skeleton);
+    source.is_repeatable = source.is_repeatable && (*opened_skeleton)->size().has_value();
+    return source;
+  };
+  return connection_->Ingest(named, open, options);
 }
 
 absl::StatusOr<v1::IngestClipResponse> Client::IngestBytes(const v1::IngestClipHeader& header,
                                                            std::string_view file,
                                                            std::string_view skeleton,
                                                            CallOptions options) const {
-  return connection_->Ingest(header, BlocksOf(file), BlocksOf(skeleton), options);
+  const auto open = [&]() -> absl::StatusOr<IngestSource> {
+    return IngestSource{BlocksOf(file), BlocksOf(skeleton)};
+  };
+  return connection_->Ingest(header, open, options);
 }
 
 // Receiving files.
@@ -146,8 +168,8 @@ absl::Status Client::Connection::Export(const v1::ExportClipRequest& request,
     if (message.has_file_block()) return sink.on_file_block(message.file_block());
     return sink.on_skeleton_block(message.skeleton_block());
   };
-  const absl::Status status =
-      ReadStream(*clips, &v1::ClipService::Stub::ExportClip, request, on_message, options);
+  const absl::Status status = ReadStream(&Endpoint::clips, &v1::ClipService::Stub::ExportClip,
+                                         request, on_message, options);
   if (status.ok() && !begun) return BrokenStream(request.name(), "the stream had no header");
   return status;
 }

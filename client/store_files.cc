@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "client/backup_file.h"
 #include "client/connection.h"
 #include "client/input_file.h"
@@ -32,7 +30,7 @@ absl::StatusOr<std::int64_t> ReceiveFile(const Connection& connection, Method me
     return written;
   };
   const absl::Status status =
-      connection.ReadStream(*connection.store, method, request, append_block, options);
+      connection.ReadStream(&Endpoint::store, method, request, append_block, options);
   if (!status.ok()) return status;
   if (const absl::Status whole = file.Complete(); !whole.ok()) return whole;
   return file.bytes();
@@ -40,34 +38,36 @@ absl::StatusOr<std::int64_t> ReceiveFile(const Connection& connection, Method me
 
 // Sends a backup file in blocks. `first`: the first message, without a block.
 template <typename Response, typename Connection, typename Method, typename Request>
-absl::StatusOr<Response> SendFile(const Connection& connection, Method method, Request first,
+absl::StatusOr<Response> SendFile(const Connection& connection, Method method, const Request& first,
                                   const std::filesystem::path& path, const Progress& on_progress,
                                   const CallOptions& options) {
-  auto file = InputFile::Open(path);
-  if (!file.ok()) return file.status();
-  if (!file->size()) {
-    return absl::InvalidArgumentError(fmt::format("{}: is not a regular file", path.string()));
-  }
-  OutgoingCall call(options);
-  connection.Prepare(call);
   Response response;
-  const auto writer = (connection.store.get()->*method)(&call.context, &response);
-  Request message = std::move(first);
-  double sent = 0;
-  absl::Status read;
-  while (true) {
-    read = file->Read(kBlockBytes, *message.mutable_block());
-    // If Write fails, Finish returns the reason.
-    if (!read.ok() || message.block().empty() || !writer->Write(message)) break;
-    sent += static_cast<double>(message.block().size());
-    if (on_progress) on_progress(Share(sent, static_cast<double>(*file->size())));
-    message.Clear();
-  }
-  if (!read.ok()) call.context.TryCancel();
-  writer->WritesDone();
-  const grpc::Status finished = writer->Finish();
-  if (!read.ok()) return read;
-  if (const absl::Status status = connection.Finish(finished, call); !status.ok()) return status;
+  // An attempt opens the file, since an earlier one may have read blocks that no server has got.
+  const auto attempt = [&](OutgoingCall& call) -> absl::Status {
+    auto file = InputFile::Open(path);
+    if (!file.ok()) return file.status();
+    if (!file->size()) {
+      return absl::InvalidArgumentError(fmt::format("{}: is not a regular file", path.string()));
+    }
+    const auto writer = (call.endpoint.store.get()->*method)(&call.context, &response);
+    Request message = first;
+    double sent = 0;
+    absl::Status read;
+    while (true) {
+      read = file->Read(kBlockBytes, *message.mutable_block());
+      // If Write fails, Finish returns the reason.
+      if (!read.ok() || message.block().empty() || !writer->Write(message)) break;
+      sent += static_cast<double>(message.block().size());
+      if (on_progress) on_progress(Share(sent, static_cast<double>(*file->size())));
+      message.Clear();
+    }
+    if (!read.ok()) call.context.TryCancel();
+    writer->WritesDone();
+    const grpc::Status finished = writer->Finish();
+    return read.ok() ? connection.Finish(finished, call) : read;
+  };
+  const absl::Status status = connection.Run(Effect::kChange, options, DatabaseOf(first), attempt);
+  if (!status.ok()) return status;
   return response;
 }
 
@@ -87,7 +87,7 @@ absl::StatusOr<v1::VerifySummary> Client::VerifyStore(
         return on_message ? on_message(message) : absl::OkStatus();
       };
   const absl::Status status =
-      connection_->ReadStream(*connection_->store, &v1::StoreService::Stub::VerifyStore,
+      connection_->ReadStream(&Endpoint::store, &v1::StoreService::Stub::VerifyStore,
                               v1::VerifyStoreRequest(), handle_message, options);
   if (!status.ok()) return status;
   if (!ended) return absl::DataLossError("the verification ended without a summary");
@@ -125,7 +125,7 @@ absl::StatusOr<v1::ImportDatabaseResponse> Client::ImportDatabase(const std::fil
   v1::ImportDatabaseRequest first;
   first.set_database_id(database_id);
   return SendFile<v1::ImportDatabaseResponse>(*connection_, &v1::StoreService::Stub::ImportDatabase,
-                                              std::move(first), path, on_progress, options);
+                                              first, path, on_progress, options);
 }
 
 }  // namespace motiondb::client

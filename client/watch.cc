@@ -1,11 +1,9 @@
-#include <motiondb/call_error.h>
 #include <motiondb/v1/database.grpc.pb.h>
 #include <motiondb/watch.h>
 
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <random>
 #include <set>
 #include <string>
 #include <utility>
@@ -14,14 +12,10 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "client/connection.h"
+#include "client/reconnect.h"
 
 namespace motiondb::client {
 namespace {
-
-using std::chrono::milliseconds;
-
-constexpr milliseconds kFirstDelay{200};
-constexpr milliseconds kMaxDelay{10'000};
 
 // Name of the object of a change; empty if the message only reports up_to_date.
 std::string ChangedObject(const v1::WatchDatabaseResponse& message) {
@@ -40,13 +34,6 @@ std::string ChangedObject(const v1::WatchDatabaseResponse& message) {
   return "";
 }
 
-// Between 80 % and 100 %, so that the clients of a restarted server do not return together.
-milliseconds Jittered(milliseconds delay) {
-  thread_local std::minstd_rand random{std::random_device{}()};
-  return milliseconds(std::uniform_int_distribution<int>(static_cast<int>(delay.count()) * 4 / 5,
-                                                         static_cast<int>(delay.count()))(random));
-}
-
 }  // namespace
 
 class Watch::Stream {
@@ -55,7 +42,8 @@ class Watch::Stream {
          WatchOptions options)
       : connection_(std::move(connection)),
         request_(std::move(request)),
-        options_(std::move(options)) {}
+        options_(std::move(options)),
+        delays_(connection_->address_count()) {}
   ~Stream() {
     Cancel();
     if (reader_ != nullptr) reader_->Finish();
@@ -65,7 +53,7 @@ class Watch::Stream {
     while (result_.ok()) {
       if (reader_ == nullptr && !Open()) break;
       if (reader_->Read(&message)) {
-        delay_ = kFirstDelay;
+        delays_.Reset();
         if (Accept(message)) return true;
       } else {
         WaitForRetry(Close());
@@ -91,9 +79,8 @@ class Watch::Stream {
       result_ = absl::CancelledError("the watch was cancelled");
       return false;
     }
-    call_ = std::make_unique<OutgoingCall>(CallOptions{.timeout = kNoTimeout});
-    connection_->Prepare(*call_);
-    reader_ = connection_->databases->WatchDatabase(&call_->context, request_);
+    call_ = connection_->Begin({.timeout = kNoTimeout}, DatabaseOf(request_));
+    reader_ = call_->endpoint.databases->WatchDatabase(&call_->context, request_);
     return true;
   }
 
@@ -112,16 +99,14 @@ class Watch::Stream {
 
   // Waits if a new connection may succeed; otherwise ends the watch.
   void WaitForRetry(const absl::Status& error) {
-    const auto server_delay = RetryDelay(error);
-    if (!absl::IsUnavailable(error) && !server_delay) {
+    const auto delay = delays_.Next(error);
+    if (!delay) {
       result_ = error;
       return;
     }
-    const milliseconds delay = std::max(Jittered(delay_), server_delay.value_or(milliseconds(0)));
-    delay_ = std::min(2 * delay_, kMaxDelay);
-    if (options_.on_reconnect) options_.on_reconnect(error, delay);
+    if (options_.on_reconnect) options_.on_reconnect(error, *delay);
     const absl::MutexLock lock(&mutex_);
-    mutex_.AwaitWithTimeout(absl::Condition(&is_cancelled_), absl::FromChrono(delay));
+    mutex_.AwaitWithTimeout(absl::Condition(&is_cancelled_), absl::FromChrono(*delay));
   }
 
   // Keeps track of the last complete transaction. Returns false for a change that Next has already
@@ -148,7 +133,7 @@ class Watch::Stream {
   v1::WatchDatabaseRequest request_;  // after_revision: the last complete transaction
   const WatchOptions options_;
   std::unique_ptr<grpc::ClientReader<v1::WatchDatabaseResponse>> reader_;
-  milliseconds delay_ = kFirstDelay;
+  ReconnectDelays delays_;
   std::optional<std::int64_t> open_revision_;  // of a transaction that may be incomplete
   std::set<std::string> returned_;             // its objects
   absl::Status result_;

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/format/gunzip.h"
 #include "core/motion/error.h"
-#include "import/gunzip.h"
 #include "import/npz/npz_reader.h"
 #include "import/scene/scene_reader.h"
 
@@ -46,16 +46,6 @@ absl::StatusOr<InputBytes> OpenNamed(const std::string& path, std::string_view n
   auto opened = InputBytes::Open(path, max_bytes);
   if (opened.ok()) return opened;
   return core::InvalidArgument("{}: {}", name, std::string(opened.status().message()));
-}
-
-bool IsGzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
-
-// Decompresses the file if necessary, into `storage`.
-absl::StatusOr<core::SourceFile> Plain(core::SourceFile file, std::size_t max_bytes,
-                                       std::string& storage) {
-  if (!IsGzip(file.bytes)) return file;
-  MOTIONDB_ASSIGN_OR_RETURN(storage, Gunzip(file, max_bytes));
-  return core::SourceFile{file.name, storage};
 }
 
 }  // namespace
@@ -119,8 +109,9 @@ absl::StatusOr<core::MotionFile> RequestedFiles::Read(const FileRequest& request
                                                       std::size_t max_bytes) const {
   MOTIONDB_RETURN_IF_ERROR(core::CheckReadOptions(format_, request.shown_name(), request.given));
   std::string plain_file;
-  MOTIONDB_ASSIGN_OR_RETURN(const core::SourceFile file,
-                            Plain({request.shown_name(), file_.bytes()}, max_bytes, plain_file));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const core::SourceFile file,
+      core::PlainFile({request.shown_name(), file_.bytes()}, max_bytes, plain_file));
   const auto of_skeleton = skeleton(request);
   switch (format_) {
     case core::FileFormat::kFbx:

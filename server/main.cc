@@ -10,9 +10,11 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <cstdio>
@@ -157,6 +159,36 @@ absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& 
   return store;
 }
 
+// As OpenStore. Waits for a PostgreSQL that cannot be reached: after a reboot it may start later.
+// Null if a signal arrives meanwhile.
+absl::StatusOr<std::unique_ptr<storage::MotionStore>> AwaitStore(const Settings& settings,
+                                                                 boost::asio::io_context& context,
+                                                                 boost::asio::signal_set& signals) {
+  constexpr std::chrono::milliseconds kMaxDelay{2000};
+  std::chrono::milliseconds delay{100};
+  const bool may_wait = storage::IsPostgresUrl(settings.store_path);
+  bool is_ending = false;
+  bool has_waited = false;
+  signals.async_wait([&](const boost::system::error_code& error, int) { is_ending = !error; });
+  auto store = OpenStore(settings);
+  while (may_wait && absl::IsUnavailable(store.status()) && !is_ending) {
+    if (!std::exchange(has_waited, true)) {
+      PrintAlways(settings.log.format, fmt::format("{}; retrying until it can be reached",
+                                                   std::string(store.status().message())));
+    }
+    NotifyServiceManager("EXTEND_TIMEOUT_USEC=60000000\nSTATUS=waiting for the store");
+    context.run_for(delay);
+    delay = std::min(2 * delay, kMaxDelay);
+    if (!is_ending) store = OpenStore(settings);
+  }
+  signals.cancel();
+  context.run();
+  context.restart();
+  if (is_ending) return nullptr;
+  if (has_waited && store.ok()) PrintAlways(settings.log.format, "the store can be reached");
+  return store;
+}
+
 absl::Status Serve(const Settings& settings) {
   std::optional<AllocationsMayFail> starting(std::in_place);
   // Before the store is created or upgraded: a server that cannot run must not do it.
@@ -188,7 +220,11 @@ absl::Status Serve(const Settings& settings) {
   if (const std::string& web = settings.server.web_listen; !web.empty()) {
     MOTIONDB_RETURN_IF_ERROR(CheckListening(web));
   }
-  MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings));
+  MOTIONDB_ASSIGN_OR_RETURN(auto store, AwaitStore(settings, context, signals));
+  if (store == nullptr) {
+    spdlog::info("signal while the store was opened: stopping");
+    return absl::OkStatus();
+  }
   // Never shut down: grpc_shutdown waits for all of gRPC's threads, even for one that did not start
   // because memory was exhausted. Then the store would not be closed.
   grpc_init();

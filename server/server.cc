@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
@@ -21,6 +22,7 @@
 #include "server/listen/listener.h"
 #include "server/rpc/call_identity.h"
 #include "server/rpc/idle_timer.h"
+#include "server/rpc/other_servers.h"
 #include "server/rpc/services.h"
 #include "server/security/operator_file.h"
 #include "server/security/tls.h"
@@ -70,6 +72,9 @@ std::unique_ptr<IdleTimer> WatchUnreadResponses(ServiceContext& host) {
       });
 }
 
+// Time for clients and proxies to make new calls elsewhere before the server refuses them.
+constexpr milliseconds kNoticeTime{200};
+
 // Time for clients to close their connections before the server closes them.
 constexpr milliseconds kCloseTime{100};
 
@@ -78,6 +83,23 @@ constexpr milliseconds kCloseTime{100};
 std::int64_t TransportMemory(const CallLimitOptions& calls) {
   constexpr std::int64_t kMax = 192 << 20;
   return std::min(calls.message_memory_bytes, kMax);
+}
+
+// Returns the name of the server among those that share its store; empty if none do.
+std::string SharedName(Engine& engine) { return engine.store().is_shared() ? engine.name() : ""; }
+
+std::shared_ptr<OtherServers> MakeOtherServers(Engine& engine) {
+  if (!engine.store().is_shared()) return nullptr;
+  return std::make_shared<OtherServers>(engine.store(), engine.workers(), engine.name());
+}
+
+// Returns the address at which other servers of the store reach this one; empty: none.
+std::string AdvertisedAddress(const ServerOptions& options, const std::string& address) {
+  if (!options.advertise.empty()) return options.advertise;
+  if (!address.starts_with("0.0.0.0:") && !address.starts_with("[::]:")) return address;
+  spdlog::warn(
+      "the other servers of the store cannot reach the streams of this one: set --advertise");
+  return "";
 }
 
 constexpr const char* kServiceNames[] = {
@@ -102,6 +124,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
   // On an error, the next look of the engine tries again.
   server->engine_->AddFollower(
       [&tokens = server->host_->access.tokens()] { tokens.FollowRevocations().IgnoreError(); });
+  if (const auto& others = server->host_->others; others != nullptr) {
+    server->engine_->AddFollower([&others = *others] { others.Announce(); });
+  }
   if (!server->host_->access.HasAdminAccess(NowMicroseconds())) {
     spdlog::warn(
         "no valid admin token exists: set --admin-token-file, or start once on 127.0.0.1 and "
@@ -122,6 +147,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
     MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls, set_end));
   }
   MOTIONDB_RETURN_IF_ERROR(server->Listen(options, plan.reflection));
+  if (const auto& others = server->host_->others; others != nullptr) {
+    MOTIONDB_RETURN_IF_ERROR(
+        others->Begin(AdvertisedAddress(options, server->address_), options.security));
+  }
   server->health_ =
       std::make_unique<HealthWatch>(*server->engine_, *server->grpc_->GetHealthCheckService());
   return server;
@@ -137,7 +166,9 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
                                CallLimits(calls),
                                CallMemory(calls.message_memory_bytes),
                                {},
-                               *monitor_}) {
+                               *monitor_,
+                               RunningStreams(SharedName(*engine_)),
+                               MakeOtherServers(*engine_)}) {
   idle_watch_ = WatchUnreadResponses(*host_);
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeMarkerSetService(*host_));
@@ -201,6 +232,9 @@ void Server::Drain(milliseconds grace) {
   const auto latest = std::chrono::steady_clock::now() + grace;
   health_.reset();
   grpc_->GetHealthCheckService()->Shutdown();
+  if (listener_ != nullptr) listener_->BeginDrain();
+  if (gateway_ != nullptr) gateway_->BeginDrain();
+  std::this_thread::sleep_for(std::min(grace, kNoticeTime));
   host_->registry.Close();
   // Ends calls that wait for an operation, and stops builds.
   engine_->Drain();

@@ -49,8 +49,9 @@ class Server {
   Engine& engine() { return *engine_; }
   Monitor& monitor() { return *monitor_; }
 
-  // Reports NOT_SERVING to health checks, refuses new calls with UNAVAILABLE, and leaves builds to
-  // the next server. Returns when all calls have ended; after `grace` they are cancelled.
+  // Refuses connections, asks clients to make new calls elsewhere, and 0.2 s later refuses them
+  // with UNAVAILABLE. Leaves builds to the next server. Returns when all calls have ended; after
+  // `grace` they are cancelled.
   void Drain(std::chrono::milliseconds grace);
 
  private:

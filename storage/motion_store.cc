@@ -16,4 +16,12 @@ absl::Status SameClipError(const ClipRecord& same, const NewClip& clip) {
                                              absl::AlreadyExistsError(message)));
 }
 
+absl::Status MotionStore::AnnounceServer(const ServerAddress&, std::chrono::milliseconds) {
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<ServerAddress>> MotionStore::ListServers() {
+  return std::vector<ServerAddress>();
+}
+
 }  // namespace motiondb::storage

@@ -47,6 +47,19 @@ struct WriteFailures {
   std::int64_t total() const { return no_space + io_error + corruption + other; }
 };
 
+// The connections of a store at one moment.
+struct ConnectionStatistics {
+  int max_readers = 0;   // of reads at the same time; 0: reads wait for writes
+  int open_readers = 0;  // connections that read
+  int leased_readers = 0;
+  int waiting_reads = 0;
+  // Since the store was opened:
+  std::int64_t waited_reads = 0;     // reads that have waited for a connection
+  double wait_seconds = 0;           // their sum
+  std::int64_t opened_sessions = 0;  // of PostgreSQL, to read and to write
+  std::int64_t failed_sessions = 0;  // attempts to open one
+};
+
 // Returns ALREADY_EXISTS for a clip that is stored as `same`, by content or id.
 absl::Status SameClipError(const ClipRecord& same, const NewClip& clip);
 
@@ -177,16 +190,23 @@ class MotionStore {
   virtual absl::StatusOr<std::int64_t> AcquireBuildLease(const std::string& database,
                                                          const std::string& holder,
                                                          std::chrono::milliseconds duration) = 0;
-  // Renews also a lease that has expired, if nobody has acquired the next one; otherwise ABORTED.
+  // Renews also a lease that has expired, if there is no later one; otherwise ABORTED.
   virtual absl::Status RenewBuildLease(const std::string& database, std::int64_t fence,
                                        std::chrono::milliseconds duration) = 0;
   // OK also if it is no longer the last lease.
   virtual absl::Status ReleaseBuildLease(const std::string& database, std::int64_t fence) = 0;
 
+  // The servers that share the store. A server is listed for `duration` after it was announced
+  // last, by the clock of the store. Without effect, and empty, if the store is not shared.
+  virtual absl::Status AnnounceServer(const ServerAddress& server,
+                                      std::chrono::milliseconds duration);
+  virtual absl::StatusOr<std::vector<ServerAddress>> ListServers();
+
   // Operations. PutOperation creates or replaces an operation of an existing database. Operations
   // are deleted with their database. The last 1,000 finished operations of a database are kept.
   // CANCELLED, with nothing changed, if cancelled before the write began. ABORTED if the operation
-  // has ended in another state.
+  // has ended: its result never changes. NOT_FOUND if it is an operation of a deleted database
+  // whose data is not freed yet, also if there is a new database with the name.
   virtual absl::Status PutOperation(const OperationRecord& record,
                                     const core::Cancelled& cancelled = {}) = 0;
   virtual absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) = 0;
@@ -203,6 +223,7 @@ class MotionStore {
   // is low, it blocks for a small test write, at most once a second.
   virtual absl::Status CheckWrites() = 0;
   virtual WriteFailures write_failures() const = 0;
+  virtual ConnectionStatistics connections() const { return {}; }
 
   // Calls `on_change` after changes of this or another server, from another thread, until the
   // result is destroyed. Null if the store is never changed by another server, or cannot notify.

@@ -147,6 +147,12 @@ struct DatabaseState {
   std::int64_t stamp = 0;     // differs after each change of the content or of the marker set
 };
 
+// A server that shares the store, and where the others reach it.
+struct ServerAddress {
+  std::string name;     // unique
+  std::string address;  // HOST:PORT
+};
+
 // The conditions for storing or dropping a model. ABORTED if one is not met: the caller computed it
 // from what another server has replaced meanwhile.
 struct ModelTerms {

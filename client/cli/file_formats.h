@@ -10,7 +10,8 @@
 
 namespace motiondb::client {
 
-// Returns the extension in lower case, without a ".gz" after it: ".bvh" of "walk.BVH.gz".
+// Returns the extension in lower case, without a ".gz" after it: ".bvh" of "walk.BVH.gz". Also of
+// skeleton files.
 std::string MotionExtension(const std::filesystem::path& file);
 
 // Whether a file has the extension of a motion file.

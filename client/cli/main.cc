@@ -30,9 +30,10 @@ void QuietGrpc() {
 }
 
 void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
-  app.add_option("--server", global.server, "Address of the server")
+  app.add_option("--server", global.server,
+                 "Address of the server, or of several servers of one store")
       ->envname("MOTIONDB_SERVER")
-      ->type_name("HOST:PORT")
+      ->type_name("HOST:PORT,...")
       ->capture_default_str();
   app.add_flag("--json", global.json,
                "Print the response as JSON with the field names of the proto, one object per line");

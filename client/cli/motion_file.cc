@@ -93,7 +93,7 @@ fs::path OnlyUrdfBeside(const fs::path& csv) {
   std::error_code error;
   for (fs::directory_iterator entry(FolderOf(csv), error), end; !error && entry != end;
        entry.increment(error)) {
-    if (!HasExtension(entry->path(), ".urdf")) continue;
+    if (MotionExtension(entry->path()) != ".urdf") continue;
     if (!only.empty()) return {};
     only = entry->path();
   }
@@ -106,13 +106,17 @@ absl::StatusOr<fs::path> FindSkeletonBeside(const fs::path& amc) {
   const fs::path folder = FolderOf(amc);
   const std::string name = amc.stem().string();
   fs::path best;
+  std::size_t best_length = 0;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const fs::path& candidate = entry->path();
-    const std::string stem = candidate.stem().string();
-    if (!HasExtension(candidate, ".asf") || name.rfind(stem, 0) != 0) continue;
-    if (best.empty() || stem.size() > best.stem().string().size()) best = candidate;
+    if (MotionExtension(candidate) != ".asf") continue;
+    const fs::path plain = HasExtension(candidate, ".gz") ? candidate.stem() : candidate;
+    const std::string stem = plain.stem().string();
+    if (name.rfind(stem, 0) != 0 || stem.size() <= best_length) continue;
+    best = candidate;
+    best_length = stem.size();
   }
   if (best.empty()) {
     return absl::NotFoundError(fmt::format(

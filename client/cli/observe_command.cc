@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLineEvery = 0.1;  // seconds of motion; not on a terminal
 
-struct ObserveOptions {
+struct ObserveCommandOptions {
   QueryOptions query;
   std::string track;
   bool realtime = false;
@@ -26,7 +26,7 @@ struct ObserveOptions {
   std::vector<double> horizon_seconds;
 };
 
-void Declare(CLI::App& command, ObserveOptions& options) {
+void Declare(CLI::App& command, ObserveCommandOptions& options) {
   AddQueryOptionsOfOneFile(command, options.query);
   AddTrackOption(command, options.track);
   CLI::Option* realtime =
@@ -57,9 +57,12 @@ void Declare(CLI::App& command, ObserveOptions& options) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(PositiveNumber());
+  command.footer(
+      "If the server stops, continues at another address of --server, or when it has started "
+      "again, for at most 10 s. Standard error has what is lost.");
 }
 
-v1::ObserveStart Start(const ObserveOptions& options, const v1::RepresentRequest& request,
+v1::ObserveStart Start(const ObserveCommandOptions& options, const v1::RepresentRequest& request,
                        const v1::MarkerObservation& motion) {
   v1::ObserveStart start;
   start.set_database(request.database());
@@ -109,7 +112,7 @@ class LiveLine {
   std::optional<double> shown_;
 };
 
-absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
+absl::Status Run(const ObserveCommandOptions& options, const GlobalOptions& global) {
   v1::RepresentRequest request;
   auto observation = ObservationFromFile(options.query.files.front(), options.query.source);
   if (!observation.ok()) return observation.status();
@@ -124,6 +127,10 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
   ReplayOptions replay{.frames_per_message = options.frames_per_message};
   if (options.realtime) replay.frames_per_second = options.rate_multiplier * motion.frame_rate_hz();
   LiveLine line(motion.frame_rate_hz(), options.unknown_threshold);
+  replay.on_reconnect = [&](const ObserveReconnect& reconnect) {
+    if (!global.json) line.End();
+    PrintError(ReconnectText(reconnect, motion.frame_rate_hz()));
+  };
   v1::ObserveResponse last;
   const auto statistics = Replay(*client, Start(options, request, motion), motion, replay,
                                  [&](const v1::ObserveResponse& answer) {
@@ -132,6 +139,7 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
                                    } else {
                                      line.Show(answer);
                                    }
+                                   if (options.realtime) FlushOutput();
                                    last = answer;
                                  });
   if (!global.json) line.End();
@@ -145,10 +153,11 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddObserveCommand(CommandLine line) {
-  AddCommand<ObserveOptions>(line, "observe", "Send a motion frame by frame and show the answers",
-                             "motiondb observe walks observed.bvh --realtime\nmotiondb observe "
-                             "walks observed.bvh --horizon 0.2,0.4 --json",
-                             Declare, Run);
+  AddCommand<ObserveCommandOptions>(
+      line, "observe", "Send a motion frame by frame and show the answers",
+      "motiondb observe walks observed.bvh --realtime\nmotiondb observe "
+      "walks observed.bvh --horizon 0.2,0.4 --json",
+      Declare, Run);
 }
 
 }  // namespace motiondb::client

@@ -72,7 +72,7 @@ absl::StatusOr<ReplayStatistics> Replay(
   std::vector<float> positions(motion.positions().size() / sizeof(float));
   std::memcpy(positions.data(), motion.positions().data(), positions.size() * sizeof(float));
 
-  ObserveStream stream = client.Observe(start);
+  ObserveStream stream = client.Observe(start, {.on_reconnect = options.on_reconnect});
   SendTimes times;
   ReplayStatistics statistics{.frames = motion.frame_count()};
   const auto begin = Clock::now();
@@ -149,6 +149,16 @@ std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds,
                       : "  (now a newer model, not calibrated yet)";
   }
   return line;
+}
+
+std::string ReconnectText(const ObserveReconnect& reconnect, double frame_rate_hz) {
+  std::string text =
+      fmt::format("{}; continued after {:.2f} s", std::string(reconnect.error.message()),
+                  std::chrono::duration<double>(reconnect.duration).count());
+  if (reconnect.lost_frames == 0) return text + "; no frame is lost";
+  return text + fmt::format("; further answers do not depend on the {} before {:.2f} s",
+                            CountText(reconnect.lost_frames, "frame"),
+                            static_cast<double>(reconnect.first_frame) / frame_rate_hz);
 }
 
 std::string ReplayText(const ReplayStatistics& statistics, const v1::ObserveResponse& last,

@@ -15,6 +15,7 @@ namespace motiondb::client {
 struct ReplayOptions {
   int frames_per_message = 1;
   double frames_per_second = 0;  // 0: as fast as possible
+  std::function<void(const ObserveReconnect&)> on_reconnect;
 };
 
 // Statistics of a replay.
@@ -35,6 +36,9 @@ absl::StatusOr<ReplayStatistics> Replay(
 // and has the labels of other tracks, as in "carries: box 0.80".
 std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds,
                               double unknown_threshold);
+
+// Returns what a stream has lost with its server, without line end.
+std::string ReconnectText(const ObserveReconnect& reconnect, double frame_rate_hz);
 
 // Returns a summary. `paced`: messages were sent at a fixed rate, so that latencies are meaningful.
 std::string ReplayText(const ReplayStatistics& statistics, const v1::ObserveResponse& last,

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "client/cli/command.h"
+#include "client/cli/file_formats.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/query/query_options.h"
 #include "client/cli/resource_name.h"
@@ -227,7 +228,7 @@ void AddPlanRequestOptions(CLI::App& command, PlanRequestOptions& options) {
 }
 
 bool PlansForRobot(const PlanRequestOptions& options) {
-  return HasExtension(options.skeleton, ".urdf");
+  return MotionExtension(options.skeleton) == ".urdf";
 }
 
 absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& request) {

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/format/gunzip.h"
 #include "core/format/motion_file.h"
 #include "core/format/text_scanner.h"
 
@@ -334,6 +335,10 @@ class AsfReader {
 
 }  // namespace
 
-absl::StatusOr<AsfFile> ReadAsf(SourceFile file) { return AsfReader(file).Read(); }
+absl::StatusOr<AsfFile> ReadAsf(SourceFile file) {
+  std::string plain;
+  MOTIONDB_ASSIGN_OR_RETURN(file, PlainFile(file, kMaxSkeletonBytes, plain));
+  return AsfReader(file).Read();
+}
 
 }  // namespace motiondb::core

@@ -44,7 +44,7 @@ struct AsfFile {
   std::vector<AsfBone> bones;  // the root first, a parent before its children
 };
 
-// Unknown sections are skipped. Errors: see ReadMotionFile.
+// The file may be compressed with gzip. Unknown sections are skipped. Errors: see ReadMotionFile.
 absl::StatusOr<AsfFile> ReadAsf(SourceFile file);
 
 // Destination of one value of a bone's line in an AMC file.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/format/conventions.h"
+#include "core/format/gunzip.h"
 #include "core/format/joint_table_columns.h"
 #include "core/format/joint_table_units.h"
 #include "core/format/text_scanner.h"
@@ -334,7 +335,7 @@ std::int64_t MaxBytesToReadJointTable(SourceFile file, std::optional<SourceFile>
       kName * std::min<std::int64_t>(
                   kMaxTableColumns, MaxCsvSize(first.substr(0, first.find_first_of("\r\n"))).cells);
   if (!urdf) return bytes;
-  const std::int64_t text = std::ssize(urdf->bytes);
+  const auto text = static_cast<std::int64_t>(PlainBytes(urdf->bytes, kMaxSkeletonBytes));
   return bytes + kDocument * text +
          kJoint * std::min<std::int64_t>(kMaxFileJoints, text / kMinJointText);
 }

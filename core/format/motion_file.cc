@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/format/conventions.h"
+#include "core/format/gunzip.h"
 #include "core/format/joint_table_reader.h"
 #include "core/format/readers.h"
 #include "core/format/text_scanner.h"
@@ -138,9 +139,15 @@ std::int64_t MaxBytesToRead(FileFormat format, SourceFile file,
   switch (format) {
     case FileFormat::kBvh:
       return 8 * words + joints(std::count(file.bytes.begin(), file.bytes.end(), '{'));
-    case FileFormat::kAmc:
+    case FileFormat::kAmc: {
+      std::int64_t bones = 0;
+      if (skeleton) {
+        const std::size_t text = PlainBytes(skeleton->bytes, kMaxSkeletonBytes);
+        bones = static_cast<std::int64_t>(text) / kMinBoneText;
+      }
       // A growing vector, or the vector and the result.
-      return 24 * words + joints(skeleton ? std::ssize(skeleton->bytes) / kMinBoneText : 0);
+      return 24 * words + joints(bones);
+    }
     case FileFormat::kTrc:
       // Cells may be empty, so tabs count. A vector and the result, float.
       return 8 * (words + std::count(file.bytes.begin(), file.bytes.end(), '\t')) +

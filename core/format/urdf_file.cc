@@ -2,13 +2,16 @@
 
 #include <tinyxml2.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <utility>
 
+#include "core/format/gunzip.h"
 #include "core/format/motion_file.h"
 #include "core/format/text_scanner.h"
+#include "core/format/urdf_elements.h"
+#include "core/format/urdf_materials.h"
+#include "core/format/urdf_visuals.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {
@@ -16,7 +19,6 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr std::size_t kMaxBytes = 4 << 20;  // the parsed document uses about 30 times as much
 constexpr std::size_t kMaxTag = 4096;
 constexpr double kMinAxis = 1e-6;
 
@@ -78,6 +80,7 @@ class UrdfFileReader {
     MOTIONDB_RETURN_IF_ERROR(CheckTopLevel());
     const XMLElement& robot = *document_.RootElement();
     if (const char* name = robot.Attribute("name")) urdf_.name = ToUtf8(name);
+    const UrdfMaterials materials(file_.name, robot);
     for (const XMLElement* element = robot.FirstChildElement(); element != nullptr;
          element = element->NextSiblingElement()) {
       const std::string_view kind = element->Name();
@@ -90,6 +93,7 @@ class UrdfFileReader {
         link.line = element->GetLineNum();
         MOTIONDB_RETURN_IF_ERROR(ReadName(*element, "name", link.name));
         MOTIONDB_RETURN_IF_ERROR(ReadInertia(*element, link));
+        ReadVisuals(*element, materials, link);
       } else if (kind == "joint") {
         MOTIONDB_RETURN_IF_ERROR(ReadJoint(*element));
       }
@@ -107,7 +111,7 @@ class UrdfFileReader {
   template <typename... Args>
   absl::Status Error(const XMLElement& element, fmt::format_string<Args...> format,
                      Args&&... args) const {
-    return ErrorAt(element.GetLineNum(), format, std::forward<Args>(args)...);
+    return UrdfError(file_.name, element, format, std::forward<Args>(args)...);
   }
 
   int LineOf(std::size_t at) const {
@@ -115,9 +119,10 @@ class UrdfFileReader {
   }
 
   absl::Status Parse() {
-    if (file_.bytes.size() > kMaxBytes) {
+    // The parsed document uses about 30 times as much.
+    if (file_.bytes.size() > kMaxSkeletonBytes) {
       return InvalidArgument("{}: expected a URDF of at most {} bytes, found {}", file_.name,
-                             kMaxBytes, file_.bytes.size());
+                             kMaxSkeletonBytes, file_.bytes.size());
     }
     if (const auto zero = file_.bytes.find('\0'); zero != file_.bytes.npos) {
       return ErrorAt(LineOf(zero), "expected text in UTF-8, found a zero byte");
@@ -162,23 +167,10 @@ class UrdfFileReader {
     return absl::OkStatus();
   }
 
-  // Reads numbers separated by blanks. Without the attribute, the values stay unchanged.
   template <std::size_t kCount>
   absl::Status ReadNumbers(const XMLElement& element, const char* attribute,
                            const std::array<double*, kCount>& values) const {
-    const char* text = element.Attribute(attribute);
-    if (text == nullptr) return absl::OkStatus();
-    TextScanner scanner({.name = file_.name, .bytes = text});
-    bool complete = true;
-    for (double* value : values) complete = complete && scanner.TryNumber(*value);
-    if (complete && scanner.AtEnd()) return absl::OkStatus();
-    return Error(element, "expected {} finite number{} as {} of <{}>, found '{}'", kCount,
-                 kCount == 1 ? "" : "s", attribute, element.Name(), Shown(text));
-  }
-
-  absl::Status ReadVector(const XMLElement& element, const char* attribute,
-                          Eigen::Vector3d& value) const {
-    return ReadNumbers<3>(element, attribute, {&value.x(), &value.y(), &value.z()});
+    return ReadUrdfNumbers(file_.name, element, attribute, values);
   }
 
   // Leaves `value` unchanged without the attribute, and if it is 0, which stands for an unknown
@@ -202,11 +194,9 @@ class UrdfFileReader {
       const std::string owner = fmt::format("mass of link '{}'", Shown(link.name));
       MOTIONDB_RETURN_IF_ERROR(ReadPositive(*mass, "value", owner, read.mass_kg));
     }
-    Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();
-    if (const XMLElement* origin = inertial->FirstChildElement("origin")) {
-      MOTIONDB_RETURN_IF_ERROR(ReadVector(*origin, "xyz", read.centre_m));
-      MOTIONDB_RETURN_IF_ERROR(ReadVector(*origin, "rpy", rpy_rad));
-    }
+    UrdfOrigin origin;
+    MOTIONDB_RETURN_IF_ERROR(ReadUrdfOrigin(file_.name, *inertial, origin));
+    read.centre_m = origin.xyz_m;
     Eigen::Matrix3d& inertia = read.inertia_kg_m2;
     if (const XMLElement* given = inertial->FirstChildElement("inertia")) {
       constexpr std::array<const char*, 6> kNames = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
@@ -218,9 +208,21 @@ class UrdfFileReader {
         inertia(column, row) = inertia(row, column);
       }
     }
-    const Eigen::Matrix3d turn = FromRollPitchYaw(rpy_rad);
+    const Eigen::Matrix3d turn = FromRollPitchYaw(origin.rpy_rad);
     inertia = turn * inertia * turn.transpose();
     return absl::OkStatus();
+  }
+
+  void ReadVisuals(const XMLElement& element, const UrdfMaterials& materials, UrdfLink& link) {
+    auto read = ReadLinkVisuals(file_.name, element, materials, visual_count_);
+    if (!read.ok()) {
+      if (++urdf_.invalid_visual_links == 1) {
+        urdf_.first_visual_error = std::string(read.status().message());
+      }
+      return;
+    }
+    visual_count_ += read->size();
+    link.visuals = *std::move(read);
   }
 
   absl::Status ReadType(const XMLElement& element, UrdfJoint& joint) const {
@@ -257,10 +259,7 @@ class UrdfFileReader {
     MOTIONDB_RETURN_IF_ERROR(ReadType(element, joint));
     MOTIONDB_RETURN_IF_ERROR(ReadEnd(element, joint, "parent", joint.parent));
     MOTIONDB_RETURN_IF_ERROR(ReadEnd(element, joint, "child", joint.child));
-    if (const XMLElement* origin = element.FirstChildElement("origin")) {
-      MOTIONDB_RETURN_IF_ERROR(ReadVector(*origin, "xyz", joint.xyz_m));
-      MOTIONDB_RETURN_IF_ERROR(ReadVector(*origin, "rpy", joint.rpy_rad));
-    }
+    MOTIONDB_RETURN_IF_ERROR(ReadUrdfOrigin(file_.name, element, joint.origin));
     if (joint.type != UrdfJoint::Type::kFixed) {
       MOTIONDB_RETURN_IF_ERROR(ReadAxis(element, joint));
       MOTIONDB_RETURN_IF_ERROR(ReadLimit(element, joint));
@@ -273,7 +272,7 @@ class UrdfFileReader {
   absl::Status ReadAxis(const XMLElement& element, UrdfJoint& joint) const {
     const XMLElement* axis = element.FirstChildElement("axis");
     if (axis == nullptr) return absl::OkStatus();
-    MOTIONDB_RETURN_IF_ERROR(ReadVector(*axis, "xyz", joint.axis));
+    MOTIONDB_RETURN_IF_ERROR(ReadUrdfVector(file_.name, *axis, "xyz", joint.axis));
     if (!(joint.axis.norm() >= kMinAxis)) {
       return Error(*axis, "joint '{}': expected a nonzero axis, found '{}'", Shown(joint.name),
                    Shown(axis->Attribute("xyz")));
@@ -316,16 +315,10 @@ class UrdfFileReader {
   SourceFile file_;
   tinyxml2::XMLDocument document_;
   UrdfFile urdf_;
+  std::size_t visual_count_ = 0;
 };
 
 }  // namespace
-
-Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy) {
-  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
-          Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
-      .toRotationMatrix();
-}
 
 absl::StatusOr<UrdfFile> ReadUrdfFile(SourceFile file) { return UrdfFileReader(file).Read(); }
 

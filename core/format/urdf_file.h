@@ -9,14 +9,17 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
+#include "core/format/urdf_elements.h"
+#include "core/motion/link_visual.h"
 #include "core/motion/robot_dynamics.h"
 
 namespace motiondb::core {
 
 struct UrdfLink {
   int line = 0;
-  std::string name;     // UTF-8, as all names here
-  LinkInertia inertia;  // in the link's frame; mass 0: not given
+  std::string name;                 // UTF-8, as all names here
+  LinkInertia inertia;              // in the link's frame; mass 0: not given
+  std::vector<LinkVisual> visuals;  // in the link's frame, without a joint; see ReadLinkVisuals
 };
 
 // The joint's value is multiplier * (the master's value) + offset.
@@ -33,10 +36,9 @@ struct UrdfJoint {
   Type type = Type::kFixed;
   std::string parent;
   std::string child;
-  Eigen::Vector3d xyz_m = Eigen::Vector3d::Zero();    // the child's origin in the parent's frame
-  Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();  // about the parent's fixed x, y and z
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();    // unit length, in the child's frame
-  double lower = 0;                                   // rad or m; revolute and prismatic only
+  UrdfOrigin origin;                                // of the child in the parent's frame
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit length, in the child's frame
+  double lower = 0;                                 // rad or m; revolute and prismatic only
   double upper = 0;
   // Revolute, continuous and prismatic only; infinite: not given, or given as 0.
   double max_speed = std::numeric_limits<double>::infinity();   // rad/s or m/s
@@ -48,16 +50,15 @@ struct UrdfFile {
   std::string name;  // the robot's
   std::vector<UrdfLink> links;
   std::vector<UrdfJoint> joints;
+  int invalid_visual_links = 0;    // links without visuals because one of them is invalid
+  std::string first_visual_error;  // of these links
 };
-
-// Returns the rotation of URDF's rpy (rad): roll, pitch and yaw about the parent's fixed x, y and
-// z.
-Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy);
 
 // Reads XML of at most 4 MiB with one <robot>, names, known joint types, finite numbers, nonzero
 // axes, ordered limits, and masses, speeds and efforts of at least 0; INVALID_ARGUMENT names file,
-// line and the expected content. Ignores meshes, transmissions and simulator elements. Rejects a
-// document type, because its entities would not be expanded.
+// line and the expected content. Ignores meshes, transmissions and simulator elements. An invalid
+// visual shape is no error, because the motion does not depend on it: its link has no visuals.
+// Rejects a document type, because its entities would not be expanded.
 absl::StatusOr<UrdfFile> ReadUrdfFile(SourceFile file);
 
 }  // namespace motiondb::core

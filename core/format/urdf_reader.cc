@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/format/gunzip.h"
 #include "core/format/text_scanner.h"
 #include "core/format/urdf_file.h"
 #include "core/motion/error.h"
@@ -61,8 +62,8 @@ std::vector<Dof> Dofs(const UrdfJoint& joint, const Eigen::Matrix3d& pre) {
 
 // Converts a URDF joint to a skeleton joint.
 Joint ToJoint(const UrdfJoint& urdf, int parent) {
-  Joint joint{.name = urdf.name, .parent = parent, .offset_m = urdf.xyz_m, .dofs = {}};
-  joint.pre_rotation = FromRollPitchYaw(urdf.rpy_rad);
+  Joint joint{.name = urdf.name, .parent = parent, .offset_m = urdf.origin.xyz_m, .dofs = {}};
+  joint.pre_rotation = FromRollPitchYaw(urdf.origin.rpy_rad);
   joint.dofs = Dofs(urdf, joint.pre_rotation);
   return joint;
 }
@@ -94,6 +95,7 @@ class RobotBuilder {
                    Shown(urdf_.joints[j].name));
     }
     NoteMimics();
+    NoteVisualErrors();
     auto skeleton = Skeleton::Create(urdf_.name.empty() ? "robot" : urdf_.name, std::move(joints_));
     if (!skeleton.ok()) {
       return InvalidArgument("{}: expected a skeleton: {}", file_.name,
@@ -107,7 +109,7 @@ class RobotBuilder {
     report_.up_axis = UpAxis::kZ;
     report_.up_provenance = Provenance::kStated;
     RobotDynamics dynamics = Dynamics(*skeleton);
-    return UrdfRobot{*std::move(skeleton), std::move(mimics_), std::move(dynamics),
+    return UrdfRobot{*std::move(skeleton), std::move(mimics_), std::move(dynamics), Visuals(),
                      std::move(report_)};
   }
 
@@ -298,6 +300,25 @@ class RobotBuilder {
     return dynamics;
   }
 
+  // Returns the shapes in the order of the skeleton's joints.
+  std::vector<LinkVisual> Visuals() const {
+    std::vector<LinkVisual> visuals;
+    for (std::size_t j = 0; j < moved_links_.size(); ++j) {
+      for (const LinkVisual& visual : urdf_.links[moved_links_[j]].visuals) {
+        visuals.push_back(visual);
+        visuals.back().joint = static_cast<int>(j);
+      }
+    }
+    return visuals;
+  }
+
+  void NoteVisualErrors() {
+    if (urdf_.invalid_visual_links == 0) return;
+    report_.notes.push_back(
+        fmt::format("visual shapes of {} link{} are left out: {}", urdf_.invalid_visual_links,
+                    urdf_.invalid_visual_links == 1 ? "" : "s", urdf_.first_visual_error));
+  }
+
   void NoteMimics() {
     constexpr std::size_t kShown = 3;
     if (mimics_.empty()) return;
@@ -328,6 +349,8 @@ class RobotBuilder {
 }  // namespace
 
 absl::StatusOr<UrdfRobot> ReadUrdf(SourceFile file) {
+  std::string plain;
+  MOTIONDB_ASSIGN_OR_RETURN(file, PlainFile(file, kMaxSkeletonBytes, plain));
   MOTIONDB_ASSIGN_OR_RETURN(UrdfFile urdf, ReadUrdfFile(file));
   return RobotBuilder(file, std::move(urdf)).Build();
 }

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
+#include "core/motion/link_visual.h"
 #include "core/motion/robot_dynamics.h"
 #include "core/motion/skeleton.h"
 
@@ -25,11 +26,13 @@ struct UrdfRobot {
   Skeleton skeleton;
   std::vector<MimicJoint> mimics;  // in the skeleton's order
   RobotDynamics dynamics;
-  SourceReport report;  // metres and z up, by the format; notes on decisions
+  std::vector<LinkVisual> visuals;  // in the skeleton's order; see ReadLinkVisuals
+  SourceReport report;              // metres and z up, by the format; notes on decisions
 };
 
-// Reads a robot's kinematics, and its limits of speed and effort and its masses as far as they are
-// given. A speed or an effort of 0 counts as not given.
+// Reads a robot's kinematics, and its limits of speed and effort, its masses and its visual shapes
+// as far as they are given. A speed or an effort of 0 counts as not given. A link with an invalid
+// shape has none; the report has a note.
 //
 // Joint 0 is the floating base. It is named after the root link and has six degrees of freedom:
 // translations along the world's x, y and z, then rotations about z, y and x (yaw, pitch, roll).
@@ -39,8 +42,8 @@ struct UrdfRobot {
 // a floating joint has the same degrees of freedom as the base. A root link whose only joint is
 // floating is the world: it is omitted, and that joint is the base, named after its child link.
 //
-// INVALID_ARGUMENT names file, line and the expected content, also if links and joints do not form
-// one tree. O(file size).
+// The file may be compressed with gzip. INVALID_ARGUMENT names file, line and the expected content,
+// also if links and joints do not form one tree. O(file size).
 absl::StatusOr<UrdfRobot> ReadUrdf(SourceFile file);
 
 }  // namespace motiondb::core

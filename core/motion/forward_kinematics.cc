@@ -101,6 +101,22 @@ FrameMatrix JointPositions(const JointMotion& motion) {
   return positions;
 }
 
+FrameMatrix JointRotations(const JointMotion& motion) {
+  const Skeleton& skeleton = *motion.skeleton;
+  std::vector<Eigen::Isometry3d> world_from_joint(skeleton.joint_count());
+  FrameMatrix rotations(motion.angles.rows(), 4 * skeleton.joint_count());
+  for (Eigen::Index frame = 0; frame < rotations.rows(); ++frame) {
+    ForwardKinematics(skeleton, motion.angles.row(frame), world_from_joint);
+    for (int j = 0; j < skeleton.joint_count(); ++j) {
+      const Eigen::Quaterniond rotation(world_from_joint[j].linear());
+      auto row = rotations.block<1, 4>(frame, 4 * j);
+      row = rotation.coeffs().transpose().cast<float>();
+      if (frame > 0 && row.dot(rotations.block<1, 4>(frame - 1, 4 * j)) < 0) row = -row;
+    }
+  }
+  return rotations;
+}
+
 namespace {
 
 // Gimbal lock: below this cosine of the second angle, the first and third angles are ambiguous.

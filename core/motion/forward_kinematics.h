@@ -43,6 +43,12 @@ Eigen::Isometry3d ParentFromJoint(const Joint& joint, std::span<const double> q)
 // each joint in turn. O(frames * joints).
 FrameMatrix JointPositions(const JointMotion& motion);
 
+// Returns the rotations from all joint frames to the world in all frames: frames x 4 * joint_count,
+// the unit quaternion x y z w of each joint in turn. Of the two quaternions of a rotation, returns
+// the one nearer to that of the frame before, so that values can be interpolated. O(frames *
+// joints).
+FrameMatrix JointRotations(const JointMotion& motion);
+
 // Returns the angles q (rad) with R(axes[0], q[0]) R(axes[1], q[1]) R(axes[2], q[2]) = rotation. Of
 // all solutions, including whole turns, returns the one nearest `previous`, so that angles are
 // continuous over frames. In gimbal lock the third angle keeps its previous value. REQUIRES: axes

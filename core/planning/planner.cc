@@ -111,10 +111,10 @@ class Planner {
 
   // Whether no motion is exact, but one on another path may be.
   bool MissesGoal() const {
-    const auto hopeless = [](const PlannedMotion& motion) {
+    const auto is_settled = [](const PlannedMotion& motion) {
       return motion.outcome == PlanOutcome::kExact || motion.cut;
     };
-    return !TimeUp() && std::ranges::none_of(answer_.motions, hopeless);
+    return !TimeUp() && std::ranges::none_of(answer_.motions, is_settled);
   }
 
   // Searches from each origin until one leads to the goal. Updates `best` if the goal is reached or

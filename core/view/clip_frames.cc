@@ -6,19 +6,38 @@
 #include "core/motion/forward_kinematics.h"
 
 namespace motiondb::core {
+namespace {
+
+JointMotion PartOf(const JointMotion& motion, const SourcePart& part) {
+  return {motion.skeleton, motion.frame_rate_hz,
+          motion.angles.middleRows(part.first_frame, part.frame_count)};
+}
+
+}  // namespace
 
 absl::StatusOr<FrameMatrix> RecordedJoints(const JointMotion& motion, const SourcePart& part,
                                            double frame_rate_hz) {
-  MarkerMotion joints{
-      {},
-      motion.frame_rate_hz,
-      JointPositions({motion.skeleton, motion.frame_rate_hz,
-                      motion.angles.middleRows(part.first_frame, part.frame_count)})};
+  MarkerMotion joints{{}, motion.frame_rate_hz, JointPositions(PartOf(motion, part))};
   for (int joint = 0; joint < motion.skeleton->joint_count(); ++joint) {
     joints.positions_m.col(3 * joint + 2).array() -= static_cast<float>(part.floor_m);
   }
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion resampled, Resample(joints, frame_rate_hz));
   return std::move(resampled.positions_m);
+}
+
+absl::StatusOr<FrameMatrix> RecordedRotations(const JointMotion& motion, const SourcePart& part,
+                                              double frame_rate_hz) {
+  // Quaternions are interpolated number by number, as positions are, and normalized. Neighbours are
+  // at most 90 degrees apart (JointRotations), so that no sum of them is near 0.
+  const MarkerMotion joints{{}, motion.frame_rate_hz, JointRotations(PartOf(motion, part))};
+  MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion resampled, Resample(joints, frame_rate_hz));
+  FrameMatrix rotations = std::move(resampled.positions_m);
+  for (Eigen::Index frame = 0; frame < rotations.rows(); ++frame) {
+    for (Eigen::Index column = 0; column < rotations.cols(); column += 4) {
+      rotations.block<1, 4>(frame, column).normalize();
+    }
+  }
+  return rotations;
 }
 
 std::vector<std::uint8_t> StandingFeet(const MarkerSet& set, const Feet& feet,

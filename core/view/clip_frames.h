@@ -20,6 +20,11 @@ namespace motiondb::core {
 absl::StatusOr<FrameMatrix> RecordedJoints(const JointMotion& motion, const SourcePart& part,
                                            double frame_rate_hz);
 
+// Returns the rotations of all joints (JointRotations) in the frames of RecordedJoints. Errors and
+// REQUIRES as there. O(frames * joints).
+absl::StatusOr<FrameMatrix> RecordedRotations(const JointMotion& motion, const SourcePart& part,
+                                              double frame_rate_hz);
+
 inline constexpr std::uint8_t kLeftFoot = 1;
 inline constexpr std::uint8_t kRightFoot = 2;
 

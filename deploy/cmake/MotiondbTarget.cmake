@@ -54,7 +54,7 @@ function(motiondb_compile name glue precompiled)
 endfunction()
 
 function(motiondb_library name)
-  cmake_parse_arguments(arg "GLUE" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "GLUE" "PART2" "SOURCES;DEPENDS" ${ARGN})
   add_library(${name} STATIC ${arg_SOURCES})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_link_libraries(${name} PUBLIC ${arg_DEPENDS})
@@ -72,10 +72,11 @@ function(motiondb_executable name)
   motiondb_compile(${name} ${arg_GLUE} ${arg_PRECOMPILED})
 endfunction()
 
-# motiondb_test(NAME SOURCES... DEPENDS...): a Catch2 program. Registers its sources, so that the
-# configure step can report a test file without a target.
+# motiondb_test(NAME [PART2 PATTERN] SOURCES... DEPENDS...): a Catch2 program. The cases that PATTERN
+# matches are a test of their own, NAME_part2, for a second processor. Registers the sources, so
+# that the configure step can report a test file without a target.
 function(motiondb_test name)
-  cmake_parse_arguments(arg "GLUE" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "GLUE" "PART2" "SOURCES;DEPENDS" ${ARGN})
   set(glue)
   if(arg_GLUE)
     set(glue GLUE)
@@ -91,6 +92,10 @@ function(motiondb_test name)
   set(cases)
   if(MOTIONDB_SANITIZE)
     set(cases "~[slow]")
+  endif()
+  if(arg_PART2)
+    add_test(NAME ${name}_part2 COMMAND ${name} "${cases}${arg_PART2}")
+    string(APPEND cases "~${arg_PART2}")
   endif()
   add_test(NAME ${name} COMMAND ${name} ${cases})
   foreach(source ${arg_SOURCES})

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/format/urdf_reader.h"
 #include "core/motion/error.h"
 #include "core/motion/marker_rules.h"
 #include "core/motion/states.h"
@@ -52,7 +53,9 @@ class ClipReader {
       MOTIONDB_ASSIGN_OR_RETURN(reader.skeleton_,
                                 engine.skeletons().Get(clip.database, clip.skeleton_id));
     }
-    if (const SnapshotPointer snapshot = reader.database_->lifecycle().snapshot()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot,
+                              engine.ModelIfAny(*reader.database_, terms));
+    if (snapshot != nullptr) {
       reader.of_model_ = snapshot->view->Figure(snapshot->model);
     }
     return reader;
@@ -79,7 +82,7 @@ class ClipReader {
     motion.contacts = core::StandingFeet(scheme_->set, feet, motion.markers_m, states.frame_rate_hz,
                                          states.leg_length_m);
     if (joints && skeleton_ != nullptr) {
-      MOTIONDB_ASSIGN_OR_RETURN(motion.joints_m, ReadJoints(states));
+      MOTIONDB_RETURN_IF_ERROR(AddJoints(states, motion));
     }
     return motion;
   }
@@ -108,7 +111,7 @@ class ClipReader {
   }
 
   // Derives the states again, to know which frames of the file they are.
-  absl::StatusOr<core::FrameMatrix> ReadJoints(const core::StateSequence& stored) const {
+  absl::Status AddJoints(const core::StateSequence& stored, ClipMotion& to) const {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipSource source,
                               engine_.store().ReadClipSource(clip_.database, clip_.id));
     MOTIONDB_ASSIGN_OR_RETURN(
@@ -128,10 +131,17 @@ class ClipReader {
     }
     if (absl::IsInvalidArgument(derived.status())) return Changed();
     if (!derived.ok()) return derived.status();
-    MOTIONDB_ASSIGN_OR_RETURN(core::FrameMatrix joints,
+    MOTIONDB_ASSIGN_OR_RETURN(to.joints_m,
                               core::RecordedJoints(*motion, part, stored.frame_rate_hz));
-    if (joints.rows() != stored.states.rows()) return Changed();
-    return joints;
+    if (to.joints_m.rows() != stored.states.rows()) return Changed();
+    if (clip_.format != core::FileFormat::kCsv) return absl::OkStatus();
+    MOTIONDB_ASSIGN_OR_RETURN(core::UrdfRobot robot,
+                              core::ReadUrdf({clip_.skeleton_file_name, source.skeleton_bytes}));
+    if (robot.visuals.empty()) return absl::OkStatus();
+    to.figure.joint_visuals = std::move(robot.visuals);
+    MOTIONDB_ASSIGN_OR_RETURN(to.joint_rotations,
+                              core::RecordedRotations(*motion, part, stored.frame_rate_hz));
+    return absl::OkStatus();
   }
 
   absl::StatusOr<core::StateSequence> Derive(const core::Motion& motion, core::GlitchPolicy policy,
@@ -161,7 +171,8 @@ class ClipReader {
 
 }  // namespace
 
-absl::StatusOr<Figure> DatabaseFigure(Engine& engine, const std::string& database) {
+absl::StatusOr<Figure> DatabaseFigure(Engine& engine, const std::string& database,
+                                      const WorkOptions& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, engine.FindDatabase(database));
   MOTIONDB_ASSIGN_OR_RETURN(const SchemePointer scheme, SchemeOf(*live));
   Figure figure{.marker_names = scheme->set.markers};
@@ -169,7 +180,7 @@ absl::StatusOr<Figure> DatabaseFigure(Engine& engine, const std::string& databas
   if (!skeletons.empty()) {
     figure.marker_bones = core::MarkerBonesOf(scheme->set, skeletons.front().skeleton);
   }
-  const SnapshotPointer snapshot = live->lifecycle().snapshot();
+  MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot, engine.ModelIfAny(*live, terms));
   if (figure.marker_bones.empty() && snapshot != nullptr) {
     figure.marker_bones = snapshot->view->Figure(snapshot->model)->bones;
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/link_visual.h"
 #include "core/motion/matrix.h"
 #include "core/view/bones.h"
 #include "server/engine/representation.h"
@@ -23,12 +24,13 @@ namespace motiondb::server {
 class Engine;
 class LiveDatabase;
 
-// Points and bones.
+// Points, bones and shapes.
 struct Figure {
   std::vector<std::string> marker_names;
   std::vector<core::BoneEnds> marker_bones;
   std::vector<std::string> joint_names;  // empty: no skeleton
   std::vector<core::BoneEnds> joint_bones;
+  std::vector<core::LinkVisual> joint_visuals;  // of a robot; only with the joints of a motion
 };
 
 // Frames of a clip, at the database's frame rate; m, world, floor at z = 0.
@@ -37,6 +39,7 @@ struct ClipMotion {
   double frame_rate_hz = 0;
   core::FrameMatrix markers_m;         // frames x 3 N_v
   core::FrameMatrix joints_m;          // frames x 3 * joints; empty if not asked for
+  core::FrameMatrix joint_rotations;   // core::JointRotations; empty without joint_visuals
   std::vector<std::uint8_t> contacts;  // core::StandingFeet
 
   int frame_count() const { return static_cast<int>(markers_m.rows()); }
@@ -45,7 +48,8 @@ struct ClipMotion {
 // Returns the figure of a database: without joints, and without bones until it has a model, unless
 // its markers are the joints of a stored skeleton. Codes: NOT_FOUND; FAILED_PRECONDITION (no marker
 // set yet); errors of the store.
-absl::StatusOr<Figure> DatabaseFigure(Engine& engine, const std::string& database);
+absl::StatusOr<Figure> DatabaseFigure(Engine& engine, const std::string& database,
+                                      const WorkOptions& terms);
 
 // Returns the figure of a clip. Its bones are those of the database's figure; before there is a
 // model, those of the clip's own motion. Codes as above.
@@ -53,10 +57,10 @@ absl::StatusOr<Figure> ClipFigure(Engine& engine, const storage::ClipRecord& cli
                                   const WorkOptions& terms);
 
 // Reads the motion of a clip. With `joints`, reads the file of the clip again and computes the
-// joints of its skeleton; a clip without a skeleton has none. Long clips and joints are heavy work:
-// see IsHeavyWork. Codes as above; also RESOURCE_EXHAUSTED, DATA_LOSS, CANCELLED, those of
-// ReadSource, and FAILED_PRECONDITION if the file no longer gives the stored frames (a mapping
-// changed since: reprocess).
+// joints of its skeleton, and of a robot the visual shapes; a clip without a skeleton has none.
+// Long clips and joints are heavy work: see IsHeavyWork. Codes as above; also RESOURCE_EXHAUSTED,
+// DATA_LOSS, CANCELLED, those of ReadSource, and FAILED_PRECONDITION if the file no longer gives
+// the stored frames (a mapping changed since: reprocess).
 absl::StatusOr<ClipMotion> ReadClipMotion(Engine& engine, const storage::ClipRecord& clip,
                                           bool joints, const WorkOptions& terms);
 

@@ -33,10 +33,7 @@ absl::StatusOr<core::Model> ModelOfClips(storage::MotionStore& store, LiveDataba
                           database.name(), unreadable.begin()->second);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
-  if (scheme == nullptr) {
-    return absl::InternalError(
-        fmt::format("database '{}' has clips but no markers", database.name()));
-  }
+  if (scheme == nullptr) return UnknownMarkers(store, database.name());
   const auto build_progress = [&](double fraction, std::string_view stage) {
     return progress(kReadShare + (1 - kReadShare) * fraction, stage);
   };

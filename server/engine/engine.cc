@@ -15,9 +15,20 @@ namespace motiondb::server {
 
 namespace {
 
+absl::Status NoDatabase(const std::string& database) {
+  return core::WithReason("DATABASE_NOT_FOUND",
+                          core::NotFound("database '{}' does not exist", database));
+}
+
 EngineOptions WithWork(EngineOptions options, storage::MotionStore& store) {
   // A server of a file is the only one that can build. One that may not write builds nothing.
-  if (store.is_shared()) options.builds &= store.maintenance().CheckIsWritable().ok();
+  if (!store.is_shared()) options.work = ServerWork::kBoth;
+  if (store.is_shared() && !store.maintenance().CheckIsWritable().ok()) {
+    options.work = ServerWork::kServe;
+  }
+  if (options.work == ServerWork::kBuild && options.model_memory_bytes == 0) {
+    options.model_memory_bytes = 1;  // one model always stays
+  }
   return options;
 }
 
@@ -46,11 +57,14 @@ void Engine::Drain() {
   for (const auto& database : databases) database->lifecycle().AwaitStop();
 }
 
-std::shared_ptr<LiveDatabase> Engine::Serve(const std::string& name,
-                                            const core::BuildSettings& settings) {
-  auto live = std::make_shared<LiveDatabase>(name, settings);
-  live->Serve(std::make_unique<ModelLifecycle>(
-      *live, LifecycleServices{*store_, operations_, workers_, options_, name_}));
+std::shared_ptr<LiveDatabase> Engine::Serve(const storage::DatabaseRecord& record) {
+  auto live = std::make_shared<LiveDatabase>(record.name, record.settings);
+  live->set_create_time_us(record.create_time_us);
+  LifecycleServices services{*store_, operations_, damages_, workers_, options_, name_};
+  if (options_.model_memory_bytes > 0) {
+    services.make_room = [this](std::int64_t bytes) { MakeRoom(bytes); };
+  }
+  live->Serve(std::make_unique<ModelLifecycle>(*live, services));
   return live;
 }
 
@@ -64,7 +78,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
                                        .marker_set_text = marker_set.text,
                                        .create_time_us = NowMicroseconds()};
   MOTIONDB_ASSIGN_OR_RETURN(auto scheme, schemes_.Of(record));
-  auto live = Serve(database, settings);
+  auto live = Serve(record);
   live->set_scheme(std::move(scheme));
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
   MOTIONDB_RETURN_IF_ERROR(CheckDatabaseCount());
@@ -78,8 +92,11 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
 
 absl::Status Engine::DeleteDatabase(const std::string& database,
                                     const storage::WriteOptions& terms) {
+  // Before the mutex is held: a database that only other servers know is served first.
+  MOTIONDB_RETURN_IF_ERROR(FindDatabase(database).status());
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
+  const auto live = FindServed(database);
+  if (live == nullptr) return NoDatabase(database);
   const auto remove = [&] {
     const absl::Status deleted = store_->DeleteDatabase(database, terms);
     if (!deleted.ok()) return deleted;
@@ -154,12 +171,11 @@ absl::Status Engine::CheckDatabaseCount() {
 absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::string& database) {
   auto live = FindServed(database);
   if (live == nullptr && store_->is_shared()) {
-    LookFor(database);
+    MOTIONDB_RETURN_IF_ERROR(LookFor(database));
     live = FindServed(database);
   }
-  if (live != nullptr) return live;
-  return core::WithReason("DATABASE_NOT_FOUND",
-                          core::NotFound("database '{}' does not exist", database));
+  if (live == nullptr) return NoDatabase(database);
+  return live;
 }
 
 std::shared_ptr<LiveDatabase> Engine::FindServed(const std::string& database) {
@@ -182,35 +198,6 @@ std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatab
   auto operation = operations_.Get(id);
   if (!operation.ok() || operation->done()) return std::nullopt;  // it has ended meanwhile
   return *std::move(operation);
-}
-
-absl::StatusOr<SnapshotPointer> Engine::CurrentModel(const LiveDatabase& database) {
-  MOTIONDB_ASSIGN_OR_RETURN(ServedModel served, CurrentModelAndRevision(database));
-  return std::move(served.snapshot);
-}
-
-absl::StatusOr<ServedModel> Engine::CurrentModelAndRevision(const LiveDatabase& database) {
-  if (auto served = database.lifecycle().served(); served.snapshot != nullptr) return served;
-  if (const std::string operation = database.lifecycle().operation(); !operation.empty()) {
-    return core::WithResource(
-        "operation", fmt::format("operations/{}", operation),
-        core::WithReason("MODEL_BUILDING",
-                         core::FailedPrecondition("database '{}' has no model yet; its first "
-                                                  "model is being built: wait for operations/{}",
-                                                  database.name(), operation)));
-  }
-  if (database.stored().clip_count > 0) {
-    return core::WithReason(
-        "NO_MODEL",
-        core::FailedPrecondition("database '{}' has clips but no model: the build failed or was "
-                                 "cancelled; start it again (motiondb reprocess {})",
-                                 database.name(), database.name()));
-  }
-  return core::WithReason(
-      "NO_MODEL",
-      core::FailedPrecondition(
-          "database '{}' has no model yet: ingest clips first (motiondb ingest {} FILE...)",
-          database.name(), database.name()));
 }
 
 absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(

@@ -72,6 +72,8 @@ class Engine {
   Workers& workers() { return workers_; }
   SkeletonCache& skeletons() { return skeletons_; }
   const EngineOptions& options() const { return options_; }
+  // Name of this server among those of the store: eight digits.
+  std::string name() const { return name_.substr(name_.rfind('/') + 1); }
 
   // The audit log entry in `terms` is stored in the same transaction as the change; null: no entry.
   // ALREADY_EXISTS, RESOURCE_EXHAUSTED.
@@ -87,7 +89,7 @@ class Engine {
   using SchemeChange = std::function<absl::StatusOr<core::MarkerScheme>(const core::MarkerScheme&)>;
   absl::Status ChangeMarkerScheme(const std::string& database, const SchemeChange& change,
                                   const storage::WriteOptions& terms = {});
-  // NOT_FOUND.
+  // NOT_FOUND. Of a shared store also UNAVAILABLE: it is not known whether the database exists.
   absl::StatusOr<std::shared_ptr<LiveDatabase>> FindDatabase(const std::string& database);
 
   // All databases, ordered by name.
@@ -98,9 +100,15 @@ class Engine {
 
   // Returns the model that answers queries now. FAILED_PRECONDITION, with a hint what to do, if
   // there is none.
-  absl::StatusOr<SnapshotPointer> CurrentModel(const LiveDatabase& database);
+  // AwaitsChange if it is read from the store first; see WorkOptions::wake_on.
+  absl::StatusOr<SnapshotPointer> CurrentModel(const LiveDatabase& database,
+                                               const WorkOptions& terms = {});
   // The same, with the revision that it contains.
-  absl::StatusOr<ServedModel> CurrentModelAndRevision(const LiveDatabase& database);
+  absl::StatusOr<ServedModel> CurrentModelAndRevision(const LiveDatabase& database,
+                                                      const WorkOptions& terms = {});
+  // Returns null instead of FAILED_PRECONDITION.
+  absl::StatusOr<SnapshotPointer> ModelIfAny(const LiveDatabase& database,
+                                             const WorkOptions& terms = {});
 
   // Marks an ingest as in flight for the lifetime of the result. A rebuild waits for it.
   absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> BeginIngest(
@@ -157,7 +165,10 @@ class Engine {
   // notified a change, at what the others have changed: databases, clips, models and operations.
   // LookNow does it soon too.
   void LookNow();
-  // Calls `follower` with each look, until Drain. Called before calls are served.
+  // Time since the begin of the last successful look; 0 if the store is not shared.
+  double SecondsSinceLook();
+  // Calls `follower` with a look, at most every second, until Drain. Called before calls are
+  // served.
   void AddFollower(std::function<void()> follower);
 
   // Stops builds and ends all waits for operations. Stopped operations stay PENDING for the next
@@ -173,9 +184,12 @@ class Engine {
   using EditStore = std::function<absl::StatusOr<storage::EditRecord>(storage::AnnotationStore&)>;
   absl::StatusOr<Edited> StoreEdit(const std::string& database, const EditStore& edit,
                                    const core::Cancelled& cancelled);
-  std::shared_ptr<LiveDatabase> Serve(const std::string& name, const core::BuildSettings& settings);
+  std::shared_ptr<LiveDatabase> Serve(const storage::DatabaseRecord& record);
   // Key: database name.
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
+  // Evicts the models that were not used for the longest time, until a further one of so many bytes
+  // fits. The last used one stays.
+  void MakeRoom(std::int64_t bytes);
   // Creates the live databases from the store, then makes them visible to callers.
   absl::StatusOr<StoreCounts> Load();
   // Null: it is not visible.
@@ -196,17 +210,19 @@ class Engine {
   void StopFollowing();
   void Look();
   absl::Status LookAtStore() ABSL_EXCLUSIVE_LOCKS_REQUIRED(look_mutex_);
-  // Returns the names of the databases that have changed since the last look.
-  absl::StatusOr<std::set<std::string>> FollowDatabases()
+  // Adds the names of the databases that have changed since the last look; before an error, those
+  // that it has followed.
+  absl::Status FollowDatabases(std::set<std::string>& changed)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(look_mutex_);
   // A database as the last look saw it.
   struct SeenDatabase {
     storage::DatabaseState state;
     std::string marker_set_text;
   };
-  // Serves a database that another server has created since the last look.
-  void LookFor(const std::string& database);
-  absl::Status FollowDatabase(const storage::DatabaseState& state, SeenDatabase& seen)
+  // Serves a database that another server has created since the last look. NOT_FOUND; UNAVAILABLE.
+  absl::Status LookFor(const std::string& database);
+  // An error changes nothing: the next look tries again.
+  absl::Status FollowDatabase(const storage::DatabaseState& state)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(look_mutex_);
   // Another server has deleted the database. Returns false if running changes take too long; the
   // next look tries again.
@@ -238,10 +254,13 @@ class Engine {
   bool is_waking_ ABSL_GUARDED_BY(wake_mutex_) = false;  // whether it is set
   std::unique_ptr<storage::StoreWatch> watch_;           // from FollowStore to StopFollowing
 
-  storage::Mutex look_mutex_;  // held while the engine looks
+  std::atomic<Executor::Clock::time_point> last_look_{};  // that succeeded; epoch: never
+  storage::Mutex look_mutex_;                             // held while the engine looks
   std::unique_ptr<Executor::Timer> next_look_ ABSL_GUARDED_BY(look_mutex_);
   std::map<std::string, SeenDatabase> seen_ ABSL_GUARDED_BY(look_mutex_);
   std::vector<std::function<void()>> followers_ ABSL_GUARDED_BY(look_mutex_);
+  Executor::Clock::time_point next_follow_ ABSL_GUARDED_BY(look_mutex_);  // call of the followers
+  Executor::Clock::time_point next_purge_ ABSL_GUARDED_BY(look_mutex_);
   bool sees_store_ ABSL_GUARDED_BY(look_mutex_) = true;  // whether the last look succeeded
 };
 

@@ -16,15 +16,19 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLookPeriod{1000};
 // From a notification to the look: a burst of them causes one.
 constexpr milliseconds kWakeDelay{50};
+// Frees the space of databases that were deleted by a server that died, or during an outage.
+constexpr std::chrono::minutes kPurgePeriod{10};
 // Longest wait for running changes of a database that another server has deleted.
 constexpr milliseconds kMaxDropWait{500};
 
 }  // namespace
 
 void Engine::FollowStore() {
+  last_look_ = workers_.Now();
   {
     const storage::MutexLock lock(look_mutex_);
     next_look_ = workers_.MakeTimer(Pool::kChanges);
+    next_purge_ = workers_.Now() + kPurgePeriod;
     next_look_->Set(workers_.Now(), [this] { Look(); });
   }
   {
@@ -58,6 +62,12 @@ void Engine::StopFollowing() {
   followers_.clear();
 }
 
+double Engine::SecondsSinceLook() {
+  const Executor::Clock::time_point last = last_look_;
+  if (last == Executor::Clock::time_point()) return 0;
+  return std::chrono::duration<double>(workers_.Now() - last).count();
+}
+
 void Engine::AddFollower(std::function<void()> follower) {
   const storage::MutexLock lock(look_mutex_);
   followers_.push_back(std::move(follower));
@@ -66,36 +76,47 @@ void Engine::AddFollower(std::function<void()> follower) {
 void Engine::Look() {
   const storage::MutexLock lock(look_mutex_);
   if (next_look_ == nullptr) return;  // draining
+  const auto began = workers_.Now();
   const absl::Status looked = LookAtStore();
+  if (looked.ok()) last_look_ = began;
   if (looked.ok() != std::exchange(sees_store_, looked.ok())) {
     if (looked.ok()) {
       spdlog::info("the store answers again: changes of other servers are followed");
+      next_purge_ = began;
     } else {
       spdlog::error("changes of other servers cannot be followed: {}",
                     std::string(looked.message()));
     }
   }
-  for (const auto& follower : followers_) follower();
+  const auto now = workers_.Now();
+  if (looked.ok() && now >= next_purge_ && store_->maintenance().CheckIsWritable().ok()) {
+    next_purge_ = now + kPurgePeriod;
+    FreeDeletedDatabases();
+  }
+  if (now >= next_follow_) {
+    next_follow_ = now + kLookPeriod;
+    for (const auto& follower : followers_) follower();
+  }
   next_look_->Set(workers_.Now() + kLookPeriod, [this] { Look(); });
 }
 
 absl::Status Engine::LookAtStore() {
   MOTIONDB_ASSIGN_OR_RETURN(const auto unfinished, store_->ListUnfinishedOperations());
   operations_.Follow(unfinished);
-  MOTIONDB_ASSIGN_OR_RETURN(const auto changed, FollowDatabases());
+  std::set<std::string> changed;
+  const absl::Status followed = FollowDatabases(changed);
   std::map<std::string, std::vector<std::string>> ids;  // by database
   for (const auto& operation : unfinished) ids[operation.database].push_back(operation.id);
   for (const auto& live : Databases()) {
     live->lifecycle().Follow(ids[live->name()], changed.contains(live->name()));
   }
-  return absl::OkStatus();
+  return followed;
 }
 
-absl::StatusOr<std::set<std::string>> Engine::FollowDatabases() {
-  std::set<std::string> changed;
+absl::Status Engine::FollowDatabases(std::set<std::string>& changed) {
   // If a database is created or deleted here now, the next look is soon enough.
   const auto naming = naming_mutex_.Lock([] { return true; });
-  if (!naming.ok()) return changed;
+  if (!naming.ok()) return absl::OkStatus();
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, store_->ListDatabaseStates());
   std::map<std::string, std::int64_t> stored;
   for (const auto& state : states) stored[state.name] = state.id;
@@ -107,53 +128,66 @@ absl::StatusOr<std::set<std::string>> Engine::FollowDatabases() {
     const bool is_gone = found == stored.end() || is_another;
     if (is_gone && DropDatabase(live)) seen_.erase(live->name());
   }
+  // This server may have deleted a database that another one creates again.
+  std::erase_if(seen_, [this](const auto& seen) { return FindServed(seen.first) == nullptr; });
   for (const auto& state : states) {
     const auto seen = seen_.find(state.name);
     if (seen != seen_.end()) {
       const bool waits_for_drop = seen->second.state.id != state.id;
       if (waits_for_drop || seen->second.state.stamp == state.stamp) continue;
     }
-    MOTIONDB_RETURN_IF_ERROR(FollowDatabase(state, seen_[state.name]));
+    MOTIONDB_RETURN_IF_ERROR(FollowDatabase(state));
     changed.insert(state.name);
   }
   // A replaced or deleted clip may have had the last use of a skeleton.
   if (!changed.empty()) skeletons_.Clear();
-  return changed;
+  return absl::OkStatus();
 }
 
-void Engine::LookFor(const std::string& database) {
-  if (!store_->GetDatabase(database).ok()) return;
+absl::Status Engine::LookFor(const std::string& database) {
+  MOTIONDB_RETURN_IF_ERROR(store_->GetDatabase(database).status());
   const storage::MutexLock lock(look_mutex_);
   const auto naming = naming_mutex_.Lock([] { return true; });
-  if (!naming.ok() || next_look_ == nullptr || FindServed(database) != nullptr) return;
-  const auto states = store_->ListDatabaseStates();
-  if (!states.ok()) return;
-  const auto state = std::ranges::find(*states, database, &storage::DatabaseState::name);
-  if (state == states->end() || !FollowDatabase(*state, seen_[database]).ok()) return;
+  if (!naming.ok() || next_look_ == nullptr) {
+    return absl::UnavailableError(
+        fmt::format("database '{}' is not served here yet: try again", database));
+  }
+  if (FindServed(database) != nullptr) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states, store_->ListDatabaseStates());
+  const auto state = std::ranges::find(states, database, &storage::DatabaseState::name);
+  if (state == states.end()) return absl::OkStatus();  // deleted meanwhile
+  MOTIONDB_RETURN_IF_ERROR(FollowDatabase(*state));
   if (const auto live = FindServed(database)) live->lifecycle().Follow({}, /*is_changed=*/true);
+  return absl::OkStatus();
 }
 
-absl::Status Engine::FollowDatabase(const storage::DatabaseState& state, SeenDatabase& seen) {
+absl::Status Engine::FollowDatabase(const storage::DatabaseState& state) {
   auto record = store_->GetDatabase(state.name);
   if (absl::IsNotFound(record.status())) return absl::OkStatus();  // the next look will tell
   if (!record.ok()) return record.status();
-  const bool is_new = seen.state.id == 0;
+  const auto seen = seen_.find(state.name);
   auto live = FindServed(state.name);
+  // The last look may have seen neither, or only the new one.
+  if (live != nullptr && live->create_time_us() != record->create_time_us) {
+    if (!DropDatabase(live)) return absl::OkStatus();
+    live = nullptr;
+  }
   if (live == nullptr) {
     LiveDatabases databases;
-    live = databases[state.name] = Serve(state.name, record->settings);
+    live = databases[state.name] = Serve(*record);
     live->set_scheme(schemes_.Of(*record));
     Show(databases);
     spdlog::info("database '{}': served; another server has created it", state.name);
-  } else if (record->marker_set_text != seen.marker_set_text) {
+  } else if (seen == seen_.end() || record->marker_set_text != seen->second.marker_set_text) {
     auto scheme = schemes_.Of(*record);
-    if (!is_new && scheme.ok()) {
+    if (seen != seen_.end() && scheme.ok()) {
       live->ReplaceScheme(*std::move(scheme), NowMicroseconds());
     } else {
       live->set_scheme(std::move(scheme));
     }
   }
-  seen = {state, std::move(record->marker_set_text)};
+  seen_[state.name] = {state, std::move(record->marker_set_text)};
+  live->set_seen_revision(state.revision);
   live->signal()->Notify();
   return absl::OkStatus();
 }

@@ -61,6 +61,9 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   const std::string& name() const { return name_; }
   const core::BuildSettings& settings() const { return settings_; }
+  // Tells it from other databases with the same name. Set before it is visible to callers.
+  std::int64_t create_time_us() const { return create_time_us_; }
+  void set_create_time_us(std::int64_t time_us) { create_time_us_ = time_us; }
 
   // The marker scheme of the database; null in a `source` database without clips. DATA_LOSS if the
   // stored scheme could not be read.
@@ -77,6 +80,10 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   // Adds `amount` if the quota allows it. Otherwise RESOURCE_EXHAUSTED, with the stored amount and
   // the name of the setting.
   absl::Status Reserve(const StoredAmount& amount, const DatabaseQuota& quota);
+
+  // Revision that the last look at a shared store has found; 0: the store is not shared.
+  std::int64_t seen_revision() const { return seen_revision_; }
+  void set_seen_revision(std::int64_t revision) { seen_revision_ = revision; }
 
   // Open observe streams that use its model; `change` is 1 or -1.
   int open_streams() const { return open_streams_; }
@@ -139,6 +146,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   const std::string name_;
   const core::BuildSettings settings_;
+  std::int64_t create_time_us_ = 0;
   const std::shared_ptr<ChangeSignal> signal_ = std::make_shared<ChangeSignal>();
   DatabaseCatalog catalog_;
   FilterMasks masks_;
@@ -151,6 +159,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   StoredAmount stored_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> unreadable_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> underived_ ABSL_GUARDED_BY(mutex_);
+  std::atomic<std::int64_t> seen_revision_{0};
   std::atomic<int> open_streams_{0};
   std::atomic<std::int64_t> known_windows_{0};
   std::atomic<std::int64_t> unknown_windows_{0};

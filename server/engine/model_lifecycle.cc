@@ -5,6 +5,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
+#include "server/engine/clock.h"
 #include "server/engine/live_database.h"
 #include "server/engine/operation_registry.h"
 #include "server/engine/options.h"
@@ -24,14 +25,18 @@ constexpr milliseconds kMaxPause{500};  // so that a clip is in the model within
 
 // Operations of other servers wait longer: those servers see each ingest, this one only polls.
 constexpr milliseconds kForeignDelay{2000};
-// Time until a build that did not get its lease, or did not reach the store, is tried again.
+// Time until a build that did not get its lease, or a build or update that did not reach the store,
+// is tried again.
 constexpr milliseconds kDeferral{1000};
+// Servers that look at the store at the same moment request a missed build at different ones.
+constexpr int kSpreadMilliseconds = 2000;
 
 }  // namespace
 
 ModelLifecycle::ModelLifecycle(LiveDatabase& database, const LifecycleServices& services)
     : database_(database),
       services_(services),
+      missed_build_(milliseconds(NowMicroseconds() % kSpreadMilliseconds)),
       due_(services.executor.MakeTimer(Pool::kBuilds)),
       retry_(services.executor.MakeTimer(Pool::kBuilds)),
       update_due_(services.executor.MakeTimer(Pool::kExtensions)) {}
@@ -84,23 +89,21 @@ void ModelLifecycle::RequestInBackground() {
 
 absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
     storage::OperationKind kind, const core::Cancelled& cancelled) {
-  {
-    while (true) {
-      std::string last;
-      if (auto joined = Join(kind, last)) return *std::move(joined);
-      const MutexLock lock(mutex_);
-      if (!is_storing_request_) {
-        // Unless another operation has come meanwhile, which may cover this request.
-        if (last != (waiting_.empty() ? "" : waiting_.back().operation)) continue;
-        is_storing_request_ = true;
-        break;
-      }
-      const bool stored = changed_.WaitOrCancel(mutex_, cancelled, [this] {
-        mutex_.AssertHeld();
-        return !is_storing_request_;
-      });
-      if (!stored) return storage::CancelledInQueue();
+  while (true) {
+    std::string last;
+    if (auto joined = Join(kind, last)) return *std::move(joined);
+    const MutexLock lock(mutex_);
+    if (!is_storing_request_) {
+      // Unless another operation has come meanwhile, which may cover this request.
+      if (last != (waiting_.empty() ? "" : waiting_.back().operation)) continue;
+      is_storing_request_ = true;
+      break;
     }
+    const bool stored = changed_.WaitOrCancel(mutex_, cancelled, [this] {
+      mutex_.AssertHeld();
+      return !is_storing_request_;
+    });
+    if (!stored) return storage::CancelledInQueue();
   }
   const absl::Cleanup stored = [this] {
     const MutexLock lock(mutex_);
@@ -121,7 +124,9 @@ std::optional<storage::OperationRecord> ModelLifecycle::Join(storage::OperationK
     if (waiting_.empty()) return std::nullopt;
     last = waiting_.back().operation;
   }
-  auto operation = services_.operations.Get(last);
+  // If a shared store cannot be read, the registry returns an older state.
+  auto operation =
+      is_shared() ? services_.store.GetOperation(last) : services_.operations.Get(last);
   if (!operation.ok() || operation->state != storage::OperationState::kPending) return std::nullopt;
   const bool only_rebuilds = operation->kind == storage::OperationKind::kRebuild;
   if (only_rebuilds && kind == storage::OperationKind::kReprocess) return std::nullopt;
@@ -149,12 +154,14 @@ void ModelLifecycle::Enqueue(Waiting waiting) {
 }
 
 bool ModelLifecycle::Remove(const std::string& operation) {
-  return std::erase_if(waiting_,
-                       [&](const Waiting& waiting) { return waiting.operation == operation; }) > 0;
+  const auto removed = std::erase_if(
+      waiting_, [&](const Waiting& waiting) { return waiting.operation == operation; });
+  if (removed > 0) ArmBuild();  // the others may be due later
+  return removed > 0;
 }
 
 void ModelLifecycle::ArmBuild() {
-  if (!services_.options.builds) return;
+  if (!services_.options.builds()) return;
   if (state() == State::kWaiting && purges_ == 0) {
     due_->Set(DueTime(), KeepAlive(&ModelLifecycle::BuildIfDue));
   }
@@ -187,7 +194,6 @@ absl::StatusOr<bool> ModelLifecycle::Cancel(const std::string& operation,
     // Removed from the queue while the cancellation is stored: it neither starts nor joins
     // requests.
     if (!Remove(operation)) return false;
-    ArmBuild();
   }
   const absl::Status stored = services_.operations.Cancel(operation, cancelled);
   if (stored.ok()) return true;
@@ -222,7 +228,8 @@ void ModelLifecycle::BuildIfDue() {
     waiting_.pop_front();
   }
   const absl::Status ended = RunBuild(*build);
-  build->lease = nullptr;  // releases it, unless an extension uses it
+  build->lease = nullptr;                              // releases it, unless an extension uses it
+  const absl::Cleanup room = [this] { MakeRoom(0); };  // without the lock
   const MutexLock lock(mutex_);
   running_ = nullptr;
   if (build->is_deferred) {
@@ -256,20 +263,32 @@ void ModelLifecycle::ArmUpdate(Executor::Clock::duration rest) {
 
 void ModelLifecycle::UpdateIfOpen() {
   bool may_extend = false;
+  bool is_used = false;
   {
     const MutexLock lock(mutex_);
     if (is_closed_) return;
     update_pending_ = false;
     is_updating_ = true;
     may_extend = std::exchange(may_extend_, false);
+    is_used = std::exchange(is_used_, false);
   }
   const auto began = services_.executor.Now();
-  UpdateCurrent(may_extend);
+  const absl::Status updated = UpdateCurrent(may_extend, is_used);
+  const absl::Cleanup room = [this] { MakeRoom(0); };  // without the lock
   const MutexLock lock(mutex_);
   is_updating_ = false;
+  is_used_ = is_used_ && served_.unloaded != nullptr;
+  update_pending_ = update_pending_ || is_used_;
+  // No later look would find this change again.
+  const bool fails = is_shared() && absl::IsUnavailable(updated);
+  if (fails) {
+    update_pending_ = true;
+    may_extend_ = may_extend_ || may_extend;
+  }
   if (update_pending_ && !is_closed_) {
     const Executor::Clock::duration rest = kPauseFactor * (services_.executor.Now() - began);
-    ArmUpdate(std::clamp<Executor::Clock::duration>(rest, kMinPause, kMaxPause));
+    ArmUpdate(fails ? kDeferral
+                    : std::clamp<Executor::Clock::duration>(rest, kMinPause, kMaxPause));
   }
   changed_.NotifyAll();
 }
@@ -308,10 +327,11 @@ void ModelLifecycle::AwaitStop() {
 }
 
 absl::StatusOr<bool> ModelLifecycle::IsUpToDate() {
-  const auto current = snapshot();
-  if (current == nullptr) return database_.stored().clip_count == 0;
-  if (!current->has_fitted_labels) return false;
-  return HasAllClips(*current);
+  const ServedModel current = served();
+  if (current.unloaded != nullptr) return HasAllClips(*current.unloaded);
+  if (current.snapshot == nullptr) return database_.stored().clip_count == 0;
+  if (!current.snapshot->has_fitted_labels) return false;
+  return HasAllClips(*current.snapshot);
 }
 
 }  // namespace motiondb::server

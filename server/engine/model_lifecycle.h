@@ -26,7 +26,9 @@
 //
 //   new model                 | when                                         | stored
 //   --------------------------|----------------------------------------------|--------------------
-//   the stored model          | the server starts                            | yes
+//   the stored model          | the server starts; or, with a limit of       | yes
+//                             | memory, it is first used (Use)               |
+//   only its record           | it is evicted (Evict)                        | yes
 //   an extension by clips     | soon after each clip, if builds take long    | if its base is
 //   the model, relabelled     | soon after labels were edited                | no
 //   the model, refitted       | then, by an operation                        | yes
@@ -51,6 +53,7 @@
 //   it is, then reads the clips later.
 // - The served model follows the stored one (Followed).
 // - A build whose lease another server has taken over is dropped: the store has refused its model.
+// - A build that a server did not request because it stopped is requested here (MissedBuild).
 //
 // Builds run on Pool::kBuilds, extensions on Pool::kExtensions. They and the timers keep the
 // database alive while they run, not while they wait.
@@ -68,6 +71,7 @@
 #include "core/motion/cancellation.h"
 #include "server/engine/build_lease.h"
 #include "server/engine/executor.h"
+#include "server/engine/missed_build.h"
 #include "server/engine/snapshot.h"
 #include "storage/mutex.h"
 #include "storage/records.h"
@@ -88,9 +92,12 @@ struct EngineOptions;
 struct LifecycleServices {
   storage::MotionStore& store;
   OperationRegistry& operations;
+  CorruptionLog& corruptions;
   Executor& executor;
   const EngineOptions& options;
   std::string holder = {};  // name of this server in leases
+  // Evicts models of other databases until a model of so many bytes fits; empty: no limit.
+  std::function<void(std::int64_t)> make_room = {};
 };
 
 // Results and total duration of the builds since the start.
@@ -101,24 +108,51 @@ struct RebuildTally {
   double seconds = 0;
 };
 
+// Returns the memory of a model (bytes), estimated from its size.
+std::int64_t BytesOfModel(const storage::ModelRecord& record);
+// Returns a stored model that is not in memory.
+ServedModel Unloaded(storage::ModelRecord record);
+
+// Build leases since the start.
+struct LeaseTally {
+  bool is_held = false;  // now
+  std::int64_t acquired = 0;
+  std::int64_t refused = 0;  // another server had it
+  std::int64_t lost = 0;     // to another server during a build
+};
+
 class ModelLifecycle {
  public:
   // `database` owns it.
   ModelLifecycle(LiveDatabase& database, const LifecycleServices& services);
 
-  // Serves the stored model. If it cannot be read, records that in `corruptions` and serves none.
-  // Called once, before the database is visible to callers.
-  void LoadStored(CorruptionLog& corruptions);
+  // Serves the stored model, or with a limit of memory its record. If it cannot be read, logs the
+  // corruption and serves none. Called once, before the database is visible to callers.
+  void LoadStored();
 
-  // The model that answers queries; null if there is none.
+  // The model that answers queries; null if there is none, or if it is not in memory.
   std::shared_ptr<const Snapshot> snapshot() const;
   // The same, with the revision that it contains.
   ServedModel served() const;
+  // The same, for a query. If the model is not in memory, starts to read it and returns
+  // AwaitsChange; LiveDatabase::signal then notifies the result. An error of reading is returned
+  // for a second.
+  absl::StatusOr<ServedModel> Use();
+  // Memory of the model (bytes), as estimated from its size; 0 if it is not in memory.
+  std::int64_t model_bytes() const;
+  // Time of the last Use or replacement.
+  Executor::Clock::time_point last_use() const;
+  // Whether the model is being updated or will be soon; it makes room when that has ended.
+  bool IsUpdating() const;
+  // Drops the model from memory, unless it is not stored, is being replaced, or a stream uses it.
+  // Returns whether it did.
+  bool Evict();
   // Returns whether the snapshot is stored, has all readable clips and has not drifted too far.
   absl::StatusOr<bool> IsUpToDate();
   // Id of the running or else the next waiting build operation; empty: none.
   std::string operation() const;
   RebuildTally rebuilds() const;
+  LeaseTally leases() const;
 
   // Returns the operation that will build the model from at least the clips stored by now.
   // CANCELLED if the caller gave up before the operation was persisted; it is then re-queued in the
@@ -217,28 +251,55 @@ class ModelLifecycle {
   // The part for a shared store (model_lifecycle_shared.cc).
   bool is_shared() const { return services_.store.is_shared(); }
   // Returns the lease of the database, which users share; null if the store is not shared. ABORTED
-  // if another server has it.
+  // if another server has it. NOT_FOUND if the database was deleted.
   absl::StatusOr<Lease> AcquireLease();
   // Returns the lease if this server has it.
   Lease HeldLease();
   // Returns whether a model may be stored with this lease.
   bool MayStore(const Lease& lease) const { return !is_shared() || lease != nullptr; }
   storage::ModelTerms TermsOf(const Lease& lease) const;
-  // Returns the stored model if it is newer. REQUIRES: within Replace.
-  absl::StatusOr<ServedModel> Followed(ServedModel served);
+  // Returns the stored model if it is newer. Reads a model that is not in memory only if
+  // `is_needed`. REQUIRES: within Replace.
+  absl::StatusOr<ServedModel> Followed(ServedModel served, bool is_needed);
   absl::StatusOr<ServedModel> ReadNewer(const ServedModel& served, storage::ModelRecord newest);
-  // Sets the amount of the database that is stored now, by all servers.
-  void CountStored();
+  // Returns whether a stored snapshot is still the stored model. Then the staleness that was read
+  // before is that of the snapshot.
+  absl::StatusOr<bool> IsCurrent(const Snapshot& snapshot);
+
+  // Memory (model_lifecycle_memory.cc).
+  bool loads_on_demand() const;
+  // Returns the stored model, read if it was not in memory; none if it is corrupt. REQUIRES: within
+  // Replace.
+  absl::StatusOr<ServedModel> Loaded(ServedModel served);
+  void ReportUnreadable(const absl::Status& status);
+  // Evicts models if a further one of so many bytes would be too much.
+  void MakeRoom(std::int64_t bytes) {
+    if (services_.make_room) services_.make_room(bytes);
+  }
+  // Returns the error to queries that wait for the model.
+  void SetLoadError(const absl::Status& error);
+  // Requests a build if the model is not up to date. Returns whether it did.
+  absl::StatusOr<bool> RebuildIfOutdated();
+
+  // Requests a build that a server has not requested because it stopped (MissedBuild).
+  void RequestMissedBuild();
+  // Sets the amount of the database that is stored now, by all servers. UNAVAILABLE, with nothing
+  // changed, if the store cannot be read; other errors leave the amount, too, but are not returned.
+  absl::Status CountStored();
   // Ends a build that needs to run again or that another server has taken over. Returns whether it
   // was one.
   bool EndUnfinished(Build& build, const absl::Status& built);
 
   // Replacements of the model (model_lifecycle_work.cc).
+  //
+  // Returns whether a model whose build took so long is extended by clips.
+  bool TakesClips(double build_seconds) const;
   absl::Status Replace(const Replacement& next);
   void Serve(ServedModel next);
   // Returns OK or the error of the build. The operation has ended when it returns.
   absl::Status RunBuild(Build& build);
-  void EndOperation(const Build& build, const absl::StatusOr<Built>& built);
+  // Errors of OperationRegistry::Succeed.
+  absl::Status EndOperation(const Build& build, const absl::StatusOr<Built>& built);
   // Derives outdated clips again (Reprocess), then builds a model of all clips.
   absl::StatusOr<Built> DeriveAndBuild(Build& build);
   // Returns the result as text for the operator; empty if there was nothing to derive.
@@ -258,8 +319,9 @@ class ModelLifecycle {
   absl::StatusOr<int> StoreAndServe(core::Model model, std::int64_t revision, const Lease& lease);
 
   // Updates of the model (model_lifecycle_update.cc).
-  // `may_extend`: acquires the lease to extend the model, if there is need.
-  void UpdateCurrent(bool may_extend);
+  // `may_extend`: acquires the lease to extend the model, if there is need. `is_used`: the model is
+  // needed in memory.
+  absl::Status UpdateCurrent(bool may_extend, bool is_used);
   // Returns the model with the clips and labels that are stored now. REQUIRES: within Replace.
   // Extends it only if MayStore(lease).
   absl::StatusOr<ServedModel> Updated(ServedModel served, const Lease& lease,
@@ -281,6 +343,8 @@ class ModelLifecycle {
                                                            storage::ModelStaleness& staleness,
                                                            const Lease& lease,
                                                            const core::ParallelFor& parallel);
+  // `record`: of a stored model.
+  absl::StatusOr<bool> HasAllClips(const storage::ModelRecord& record);
   absl::StatusOr<bool> HasAllClips(const Snapshot& snapshot);
   // Leaves the store without a current model.
   absl::Status DropStored(const Lease& lease);
@@ -292,9 +356,13 @@ class ModelLifecycle {
   // Version of the current model in the store, as this server knows it; 0: none; -1: unknown.
   // Changes only within Replace.
   std::atomic<std::int32_t> stored_version_{-1};
+  std::atomic<bool> newer_logged_{false};  // NewerFormat of the store
 
-  storage::Mutex lease_mutex_;  // held while the lease is acquired
+  mutable storage::Mutex lease_mutex_;  // held while the lease is acquired
   std::weak_ptr<BuildLease> lease_ ABSL_GUARDED_BY(lease_mutex_);
+  std::atomic<std::int64_t> acquired_leases_{0};
+  std::atomic<std::int64_t> refused_leases_{0};
+  std::atomic<std::int64_t> lost_leases_{0};
 
   // Held from reading the current model to serving the next, so that no replacement is lost. Lock
   // order: before LiveDatabase::WithSharedUse and mutex_.
@@ -303,7 +371,11 @@ class ModelLifecycle {
   mutable storage::Mutex mutex_;  // not held during store access: each ingest locks it
   storage::ConditionVariable changed_;
   ServedModel served_ ABSL_GUARDED_BY(mutex_);
+  Executor::Clock::time_point last_use_ ABSL_GUARDED_BY(mutex_);
+  absl::Status load_error_ ABSL_GUARDED_BY(mutex_);  // of reading the model, at the time below
+  Executor::Clock::time_point load_error_time_ ABSL_GUARDED_BY(mutex_);
   RebuildTally rebuilds_ ABSL_GUARDED_BY(mutex_);
+  MissedBuild missed_build_ ABSL_GUARDED_BY(mutex_);
   // More than one only after a restart, and if several servers share the store.
   std::deque<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
   Executor::Clock::time_point not_before_ ABSL_GUARDED_BY(mutex_);  // of the next build
@@ -316,6 +388,7 @@ class ModelLifecycle {
   int purges_ ABSL_GUARDED_BY(mutex_) = 0;               // running
   bool update_pending_ ABSL_GUARDED_BY(mutex_) = false;  // for its timer or the running one
   bool may_extend_ ABSL_GUARDED_BY(mutex_) = false;      // whether that acquires the lease
+  bool is_used_ ABSL_GUARDED_BY(mutex_) = false;         // whether that needs the model in memory
   bool is_updating_ ABSL_GUARDED_BY(mutex_) = false;
   // Null once closed: the executor may be destroyed before the database.
   std::unique_ptr<Executor::Timer> due_ ABSL_GUARDED_BY(mutex_);

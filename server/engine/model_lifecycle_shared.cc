@@ -9,6 +9,7 @@
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/operation_registry.h"
 #include "server/engine/options.h"
+#include "storage/blob/newer_format.h"
 
 namespace motiondb::server {
 
@@ -18,11 +19,28 @@ absl::StatusOr<ModelLifecycle::Lease> ModelLifecycle::AcquireLease() {
   if (!is_shared()) return Lease();
   const MutexLock lock(lease_mutex_);
   if (auto held = lease_.lock(); held != nullptr && !held->is_lost()) return held;
-  MOTIONDB_ASSIGN_OR_RETURN(
-      Lease acquired,
-      BuildLease::Acquire(services_.store, services_.executor, database_.name(), services_.holder));
-  lease_ = acquired;
+  auto acquired =
+      BuildLease::Acquire(services_.store, services_.executor, database_.name(), services_.holder);
+  if (absl::IsAborted(acquired.status())) ++refused_leases_;
+  if (!acquired.ok()) return acquired.status();
+  // The lease names a database. If it was created again later, the lease is lost.
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, services_.store.GetDatabase(database_.name()));
+  if (record.create_time_us != database_.create_time_us()) {
+    return core::NotFound("database '{}' was deleted and created again", database_.name());
+  }
+  ++acquired_leases_;
+  lease_ = *acquired;
   return acquired;
+}
+
+LeaseTally ModelLifecycle::leases() const {
+  LeaseTally tally{.acquired = acquired_leases_, .refused = refused_leases_, .lost = lost_leases_};
+  // If it is locked, the lease is being acquired, for which the caller does not wait.
+  if (lease_mutex_.try_lock()) {
+    tally.is_held = !lease_.expired();
+    lease_mutex_.unlock();
+  }
+  return tally;
 }
 
 ModelLifecycle::Lease ModelLifecycle::HeldLease() {
@@ -36,15 +54,21 @@ storage::ModelTerms ModelLifecycle::TermsOf(const Lease& lease) const {
   return {stored_version_, lease->fence()};
 }
 
-absl::StatusOr<ServedModel> ModelLifecycle::Followed(ServedModel served) {
-  if (!is_shared()) return served;
+absl::StatusOr<ServedModel> ModelLifecycle::Followed(ServedModel served, bool is_needed) {
+  if (!is_shared() && served.unloaded == nullptr) return served;
   const std::string& name = database_.name();
+  const bool reads = is_needed || served.snapshot != nullptr || !loads_on_demand();
   MOTIONDB_ASSIGN_OR_RETURN(auto newest, services_.store.ListModels(name, 0, 1));
   const bool has_model = !newest.empty() && newest.front().current;
-  if ((has_model ? newest.front().version : 0) == stored_version_) return served;
-  if (has_model) return ReadNewer(served, std::move(newest.front()));
-  stored_version_ = 0;
+  const bool is_known = (has_model ? newest.front().version : 0) == stored_version_;
+  if (is_known && (served.unloaded == nullptr || !reads)) return served;
+  if (has_model && reads) return ReadNewer(served, std::move(newest.front()));
+  if (has_model) {
+    stored_version_ = newest.front().version;
+    return Unloaded(std::move(newest.front()));
+  }
   MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, database_.Catalog(services_.store.annotations()));
+  stored_version_ = 0;
   return ServedModel{nullptr, catalog->clip_count() == 0 ? catalog->revision() : 0};
 }
 
@@ -63,7 +87,7 @@ absl::StatusOr<ServedModel> ModelLifecycle::ReadNewer(const ServedModel& served,
       model = services_.store.ReadModel(name, parallel);
     }
     MOTIONDB_ASSIGN_OR_RETURN(auto again, services_.store.ListModels(name, 0, 1));
-    if (again.empty() || !again.front().current) return Followed(served);  // it was dropped
+    if (again.empty() || !again.front().current) return Followed({}, /*is_needed=*/true);
     if (again.front().version != newest.version) {
       newest = std::move(again.front());
       continue;
@@ -73,44 +97,85 @@ absl::StatusOr<ServedModel> ModelLifecycle::ReadNewer(const ServedModel& served,
     if (!model.ok()) return model.status();
     spdlog::info("database '{}': model {} loaded{}", name, newest.version,
                  is_extension ? " as an extension" : "");
-    const bool is_extensible = newest.build_seconds >= services_.options.extend_from.count();
+    const bool is_extensible = TakesClips(newest.build_seconds);
     Snapshot snapshot{std::move(newest), *std::move(model), Calibration::kOwn, is_extensible};
     if (is_extension) snapshot.has_fitted_labels = before->has_fitted_labels;
-    return Relabelled({std::make_shared<const Snapshot>(std::move(snapshot)), 0});
+    ServedModel read{std::make_shared<const Snapshot>(std::move(snapshot)), 0};
+    auto relabelled = Relabelled(read);
+    // Corrupt annotations do not keep the model from answering.
+    if (absl::IsDataLoss(relabelled.status())) return read;
+    return relabelled;
   }
 }
 
-void ModelLifecycle::CountStored() {
+absl::StatusOr<bool> ModelLifecycle::IsCurrent(const Snapshot& snapshot) {
+  if (!is_shared()) return true;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto newest, services_.store.ListModels(database_.name(), 0, 1));
+  return !newest.empty() && newest.front().current &&
+         newest.front().version == snapshot.record.version;
+}
+
+absl::Status ModelLifecycle::CountStored() {
   const auto catalog = database_.Catalog(services_.store.annotations());
-  if (!catalog.ok()) return;
+  // The former amount could tell that a database without a model is empty.
+  if (absl::IsUnavailable(catalog.status())) return catalog.status();
+  if (!catalog.ok()) return absl::OkStatus();
   StoredAmount amount;
   (*catalog)->ForEach([&](const CatalogClip& clip) {
     amount = amount + StoredAmount{1, clip.frame_count, clip.byte_count};
     return true;
   });
   database_.set_stored(amount);
+  return absl::OkStatus();
+}
+
+void ModelLifecycle::RequestMissedBuild() {
+  const auto checked = [&]() -> absl::StatusOr<bool> {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto newest,
+                              services_.store.ListOperations(database_.name(), "", 1));
+    {
+      const MutexLock lock(mutex_);
+      const auto* const last = newest.empty() ? nullptr : &newest.front();
+      if (!missed_build_.MayRequest(last, database_.seen_revision())) return false;
+    }
+    return RebuildIfOutdated();
+  }();
+  const MutexLock lock(mutex_);
+  missed_build_.Checked(checked);
 }
 
 bool ModelLifecycle::EndUnfinished(Build& build, const absl::Status& built) {
   if (!is_shared() || built.ok()) return false;
   const StopReason stop = build.stop;
+  // The served model may be that of this build, which was not stored.
+  const auto read_again = [&] {
+    stored_version_ = -1;
+    const MutexLock lock(mutex_);
+    ScheduleUpdate();
+  };
   if (build.is_fenced() && stop != StopReason::kForgotten) {
     spdlog::warn("database '{}': another server has taken over operation {}", database_.name(),
                  build.operation);
+    ++lost_leases_;
     services_.operations.HandOver(build.operation);
-    stored_version_ = -1;  // the served model may be that of this build
-    const MutexLock lock(mutex_);
-    ScheduleUpdate();
+    read_again();
     return true;
   }
   // It has not begun, and may run on another server.
   if (stop == StopReason::kShutdown && build.lease == nullptr) return true;
   if (stop != StopReason::kNone) return false;
   const bool has_no_lease = build.lease == nullptr && absl::IsAborted(built);
-  if (!has_no_lease && !absl::IsUnavailable(built)) return false;
+  const bool is_newer = storage::IsNewerFormat(built);
+  if (!has_no_lease && !is_newer && !absl::IsUnavailable(built)) return false;
+  if (is_newer && !newer_logged_.exchange(true)) {
+    spdlog::warn("database '{}': not built by this server: {}", database_.name(),
+                 std::string(built.message()));
+  }
   if (absl::IsUnavailable(built)) {
     spdlog::warn("database '{}': build waits for the store: {}", database_.name(),
                  std::string(built.message()));
+    // Another server may run it, and find nothing left to build.
+    if (const auto model = snapshot(); model != nullptr && !model->is_stored()) read_again();
   }
   if (build.lease != nullptr) services_.operations.Postpone(build.operation);
   build.is_deferred = true;
@@ -141,6 +206,12 @@ void ModelLifecycle::Follow(const std::vector<std::string>& unfinished, bool is_
       ArmBuild();
     }
     if (is_changed) ScheduleUpdate();
+    const bool is_busy = !unfinished.empty() || state() != State::kIdle || is_storing_request_ ||
+                         ingests_ > 0 || update_pending_ || is_updating_;
+    const bool is_due = missed_build_.IsDue(services_.executor.Now(), is_changed, is_busy);
+    if (is_due && services_.options.builds()) {
+      services_.executor.Post(Pool::kExtensions, KeepAlive(&ModelLifecycle::RequestMissedBuild));
+    }
   }
   for (const std::string& operation : missing) {
     // The list may be older than the operation. The registry also has those that could not be

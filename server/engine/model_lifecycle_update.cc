@@ -13,6 +13,7 @@
 #include "server/engine/operation_registry.h"
 #include "server/engine/stored_clips.h"
 #include "server/engine/without_exceptions.h"
+#include "storage/blob/newer_format.h"
 
 namespace motiondb::server {
 namespace {
@@ -30,23 +31,33 @@ bool IsExtensible(const Snapshot& snapshot) {
 
 }  // namespace
 
-void ModelLifecycle::UpdateCurrent(bool may_extend) {
-  const absl::Status status = WithoutExceptions<absl::Status>([&] {
-    if (is_shared()) CountStored();
+absl::Status ModelLifecycle::UpdateCurrent(bool may_extend, bool is_used) {
+  may_extend &= services_.options.builds();
+  const auto unloaded = served().unloaded;
+  const bool loads = unloaded != nullptr && (is_used || may_extend);
+  if (loads) MakeRoom(BytesOfModel(*unloaded));
+  absl::Status status = WithoutExceptions<absl::Status>([&] {
+    if (is_shared()) MOTIONDB_RETURN_IF_ERROR(CountStored());
     const SnapshotPointer current = snapshot();
-    may_extend =
-        may_extend && services_.options.builds && current != nullptr && IsExtensible(*current);
+    may_extend &= current != nullptr && IsExtensible(*current);
     // Without the lease, the server that has it or the next build adds the clips.
     const Lease lease = may_extend ? AcquireLease().value_or(nullptr) : HeldLease();
     return Replace([&](ServedModel served) -> absl::StatusOr<ServedModel> {
-      MOTIONDB_ASSIGN_OR_RETURN(served, Followed(std::move(served)));
+      MOTIONDB_ASSIGN_OR_RETURN(
+          served, loads ? Loaded(std::move(served)) : Followed(std::move(served), false));
       return Updated(std::move(served), lease, core::RunSerially);
     });
   });
-  if (!status.ok() && !absl::IsNotFound(status)) {
-    spdlog::error("database '{}': update failed, changes wait for the next build: {}",
-                  database_.name(), status.ToString());
+  const bool is_logged = storage::IsNewerFormat(status) && newer_logged_.exchange(true);
+  if (!status.ok() && !absl::IsNotFound(status) && !is_logged) {
+    spdlog::error("database '{}': {}: {}", database_.name(),
+                  loads ? "cannot read the stored model"
+                        : "update failed, changes wait for the next update or build",
+                  status.ToString());
   }
+  if (loads && status.ok()) RebuildIfOutdated().IgnoreError();
+  if (loads && !status.ok()) SetLoadError(status);
+  return status;
 }
 
 absl::StatusOr<ServedModel> ModelLifecycle::Updated(ServedModel served, const Lease& lease,
@@ -89,7 +100,8 @@ absl::StatusOr<ServedModel> ModelLifecycle::WithLabelsOf(const Catalog& catalog,
     served.snapshot = std::make_shared<const Snapshot>(std::move(snapshot));
   }
   if (HasChangesOf(*served.snapshot, catalog, staleness)) {
-    served.revision = std::max(served.revision, catalog.revision());
+    MOTIONDB_ASSIGN_OR_RETURN(const bool is_current, IsCurrent(*served.snapshot));
+    if (is_current) served.revision = std::max(served.revision, catalog.revision());
   }
   return served;
 }
@@ -143,11 +155,15 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
 }
 
 absl::StatusOr<bool> ModelLifecycle::HasAllClips(const Snapshot& snapshot) {
+  if (!snapshot.is_stored() || LacksCalibration(snapshot.model)) return false;
+  return HasAllClips(snapshot.record);
+}
+
+absl::StatusOr<bool> ModelLifecycle::HasAllClips(const storage::ModelRecord& record) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
                             services_.store.FindModelStaleness(database_.name()));
-  bool has_all = snapshot.is_stored() && !HasDrifted(snapshot.record) && staleness.removed == 0 &&
-                 staleness.outdated == 0 && staleness.to_derive == 0 &&
-                 !LacksCalibration(snapshot.model);
+  bool has_all = !HasDrifted(record) && staleness.removed == 0 && staleness.outdated == 0 &&
+                 staleness.to_derive == 0;
   // Clips may be missing because they are corrupt. If one of them is readable, the model is out of
   // date, and the build reads the rest.
   for (auto clip = staleness.missing.begin(); has_all && clip != staleness.missing.end(); ++clip) {

@@ -10,7 +10,6 @@
 #include "core/motion/error.h"
 #include "core/tree/split_node.h"
 #include "server/engine/compute_model.h"
-#include "server/engine/corruption_log.h"
 #include "server/engine/live_database.h"
 #include "server/engine/memory_reserve.h"
 #include "server/engine/model_lifecycle.h"
@@ -32,6 +31,10 @@ constexpr double kCalibrateShare = 0.35;
 // Share of deriving clips again in the progress of a build that does so.
 constexpr double kDeriveShare = 0.5;
 
+// The clocks of servers that share a store may differ by this. A clip that another one has derived
+// up to this time after a request is derived again.
+constexpr std::chrono::microseconds kMaxClockDifference = std::chrono::seconds(10);
+
 // Maximum attempts of a build whose clips are deleted meanwhile.
 constexpr int kAttempts = 8;
 
@@ -47,36 +50,10 @@ void WarnOfSingleNode(const std::string& database, const Snapshot& snapshot) {
   }
 }
 
-bool TakesClips(const EngineOptions& options, double build_seconds) {
-  return build_seconds >= options.extend_from.count();
-}
-
 }  // namespace
 
-void ModelLifecycle::LoadStored(CorruptionLog& corruptions) {
-  const std::string& name = database_.name();
-  auto model = services_.store.ReadModel(name, services_.executor.Parallel(Pool::kRequests));
-  if (absl::IsNotFound(model.status())) {
-    stored_version_ = 0;
-    return;
-  }
-  auto newest = services_.store.ListModels(name, 0, 1);
-  const absl::Status status = model.ok() ? newest.status() : model.status();
-  if (status.ok() && !newest->empty()) {
-    const bool is_extensible = TakesClips(services_.options, newest->front().build_seconds);
-    auto snapshot = std::make_shared<const Snapshot>(
-        Snapshot{newest->front(), *std::move(model), Calibration::kOwn, is_extensible});
-    stored_version_ = snapshot->record.version;
-    // Without current labels if they cannot be read.
-    auto relabelled = Relabelled({snapshot, 0});
-    return Serve(relabelled.ok() ? *std::move(relabelled) : ServedModel{std::move(snapshot), 0});
-  }
-  spdlog::error("database '{}': cannot read the stored model: {}", name, status.ToString());
-  if (!absl::IsDataLoss(status)) return;
-  const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
-  stored_version_ = version;
-  corruptions.Note(
-      {fmt::format("databases/{}/models/{}", name, version), std::string(status.message())});
+bool ModelLifecycle::TakesClips(double build_seconds) const {
+  return build_seconds >= services_.options.extend_from.count();
 }
 
 std::shared_ptr<const Snapshot> ModelLifecycle::snapshot() const { return served().snapshot; }
@@ -94,6 +71,7 @@ RebuildTally ModelLifecycle::rebuilds() const {
 void ModelLifecycle::Serve(ServedModel next) {
   {
     const MutexLock lock(mutex_);
+    if (served_.snapshot == nullptr) last_use_ = services_.executor.Now();
     std::swap(served_, next);
     // The old model, if no query uses it, is freed with the parameter, after the lock.
   }
@@ -103,9 +81,15 @@ void ModelLifecycle::Serve(ServedModel next) {
 absl::Status ModelLifecycle::Replace(const Replacement& next) {
   const MutexLock lock(replace_mutex_);
   return database_.WithSharedUse(DeletionPolicy::kAwait, [&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(ServedModel replacement, next(served()));
-    Serve(std::move(replacement));
-    return absl::OkStatus();
+    const std::int32_t version = stored_version_;
+    auto replacement = next(served());
+    const absl::Status status = replacement.status();
+    if (status.ok()) {
+      Serve(*std::move(replacement));
+    } else if (stored_version_ != version && !absl::IsDataLoss(status)) {
+      stored_version_ = -1;  // a model was read or stored, and is not served: it is read again
+    }
+    return status;
   });
 }
 
@@ -141,37 +125,45 @@ absl::Status ModelLifecycle::RunBuild(Build& build) {
     ++(built.ok() ? rebuilds_.succeeded : build.stopped() ? rebuilds_.cancelled : rebuilds_.failed);
     rebuilds_.seconds += took.count();
   }
+  absl::Status stored;
   const absl::Status ended = unless_deleted([&] {
     // After every build: storing a model also purges, but the build may not have stored one.
     PurgeDeletedClips({});
-    EndOperation(build, built);
+    stored = EndOperation(build, built);
   });
   if (!ended.ok()) services_.operations.Abandon(build.operation);
+  if (!stored.ok()) {
+    // It runs again, here or on another server, and finds the model up to date.
+    services_.operations.HandOver(build.operation);
+    build.is_deferred = true;
+  }
   return built.status();
 }
 
-void ModelLifecycle::EndOperation(const Build& build, const absl::StatusOr<Built>& built) {
+absl::Status ModelLifecycle::EndOperation(const Build& build, const absl::StatusOr<Built>& built) {
   OperationRegistry& operations = services_.operations;
   const std::string& name = database_.name();
   const StopReason stop = build.stop;
   if (built.ok()) {
     if (const auto current = snapshot()) WarnOfSingleNode(name, *current);
-    operations.Succeed(build.operation, built->version, built->difference);
     spdlog::info("database '{}': model {} is current{}{}", name, built->version,
                  built->difference.empty() ? "" : ", ", built->difference);
-  } else if (stop == StopReason::kShutdown) {
+    return operations.Succeed(build.operation, built->version, built->difference);
+  }
+  if (stop == StopReason::kShutdown) {
     operations.Postpone(build.operation);
   } else if (stop == StopReason::kCancelled) {
     spdlog::info("database '{}': rebuild cancelled", name);
-    operations.Cancel(build.operation).IgnoreError();
+    return operations.Cancel(build.operation);
   } else if (stop == StopReason::kForgotten || absl::IsNotFound(built.status())) {
     operations.Abandon(build.operation);  // deleted with its database
   } else {
     // ABORTED is caused by clients that keep deleting clips; each deletion requests a build.
     spdlog::log(absl::IsAborted(built.status()) ? spdlog::level::warn : spdlog::level::err,
                 "database '{}': rebuild failed: {}", name, built.status().ToString());
-    operations.Fail(build.operation, built.status());
+    return operations.Fail(build.operation, built.status());
   }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::DeriveAndBuild(Build& build) {
@@ -189,6 +181,11 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
                             services_.store.FindModelStaleness(database_.name()));
   if (staleness.to_derive == 0 && !derives_all) return std::string();
+  std::int64_t asked_time_us = 0;
+  if (derives_all) {
+    asked_time_us = std::max(operation->create_time_us, database_.scheme_time_us());
+    if (is_shared()) asked_time_us += kMaxClockDifference.count();
+  }
   const auto progress = [&](double fraction, std::string_view stage) {
     services_.operations.Advance(build.operation, kDeriveShare * fraction, stage);
     return !build.stopped();
@@ -196,8 +193,7 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
   MOTIONDB_ASSIGN_OR_RETURN(
       const Reprocessed done,
       Reprocess(services_.store, database_, services_.executor.Parallel(Pool::kBuilds),
-                derives_all ? std::max(operation->create_time_us, database_.scheme_time_us()) : 0,
-                progress, [&build] { return build.stopped(); }));
+                asked_time_us, progress, [&build] { return build.stopped(); }));
   build.derived = kDeriveShare;
   return fmt::format("clips derived again: {}, changed: {}, failed: {}", done.clips, done.changed,
                      done.failed);
@@ -211,6 +207,7 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(Build& bu
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision,
                               services_.store.annotations().Revision(database_.name()));
     MOTIONDB_ASSIGN_OR_RETURN(auto clips, AllClips(services_.store, database_.name()));
+    MOTIONDB_RETURN_IF_ERROR(CheckNoneIsNewer(clips));
     bool is_up_to_date = clips.empty();
     bool needs_refit = false;
     std::erase_if(clips, [](const storage::ClipRecord& clip) {
@@ -221,7 +218,7 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(Build& bu
                             database_.underived().begin()->second);
     }
     const Replacement without_build = [&](ServedModel current) -> absl::StatusOr<ServedModel> {
-      auto followed = Followed(std::move(current));
+      auto followed = Followed(std::move(current), /*is_needed=*/true);
       if (!followed.ok() && !absl::IsDataLoss(followed.status())) return followed.status();
       current = followed.ok() ? *std::move(followed) : ServedModel();
       if (clips.empty()) {
@@ -321,8 +318,8 @@ absl::Status ModelLifecycle::ServeBorrowing(core::Model model, std::int64_t revi
       model.set_confidence(before->model.confidence());
     }
     // Known clips must stay in the model, so an extensible model is replaced by an extensible one.
-    const bool is_extensible = (before != nullptr && before->is_extensible) ||
-                               TakesClips(services_.options, model.build_seconds());
+    const bool is_extensible =
+        (before != nullptr && before->is_extensible) || TakesClips(model.build_seconds());
     const int stored_version = before == nullptr ? 0 : before->record.version;
     auto record = ModelRecordOf(database_.name(), stored_version, model, 0);
     spdlog::info("database '{}': serving a new model, calibration follows: clips={}",
@@ -346,7 +343,7 @@ absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model, std::int64_
                  : record.status();
     }
     version = stored_version_ = record->version;
-    const bool is_extensible = TakesClips(services_.options, record->build_seconds);
+    const bool is_extensible = TakesClips(record->build_seconds);
     const auto stored = std::make_shared<const Snapshot>(
         Snapshot{*std::move(record), std::move(model), Calibration::kOwn, is_extensible});
     auto updated = Updated({stored, revision}, lease, services_.executor.Parallel(Pool::kBuilds));
@@ -355,6 +352,7 @@ absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model, std::int64_
       spdlog::warn("database '{}': model {} could not be updated by changes during its build: {}",
                    database_.name(), version, updated.status().ToString());
       updated = ServedModel{stored, revision};
+      stored_version_ = version;  // an extension that was stored is read again
     }
     return updated;
   }));

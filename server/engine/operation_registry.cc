@@ -56,6 +56,7 @@ absl::StatusOr<OperationRecord> OperationRegistry::Add(OperationRecord record,
   record.update_time_us = NowMicroseconds();
   const absl::Status stored = store_.PutOperation(record, cancelled);
   if (absl::IsNotFound(stored) || absl::IsCancelled(stored)) return stored;
+  if (!stored.ok() && is_shared_) return stored;
   if (!stored.ok()) LogUnstored(record.id, stored);
   const storage::MutexLock lock(mutex_);
   Live& live = live_[record.id];
@@ -118,22 +119,22 @@ void OperationRegistry::Postpone(const std::string& id) {
   HandOver(id);
 }
 
-void OperationRegistry::Succeed(const std::string& id, int model_version,
-                                const std::string& remark) {
-  Change(id, Durability::kStored, [&](OperationRecord& record) {
+absl::Status OperationRegistry::Succeed(const std::string& id, int model_version,
+                                        const std::string& remark) {
+  return Change(id, Durability::kStored, [&](OperationRecord& record) {
     record.state = OperationState::kSucceeded;
     record.progress = 1;
     record.stage = remark.empty() ? "done" : "done, " + remark;
     record.model_version = model_version;
-  }).IgnoreError();
+  });
 }
 
-void OperationRegistry::Fail(const std::string& id, const absl::Status& error) {
-  Change(id, Durability::kStored, [&](OperationRecord& record) {
+absl::Status OperationRegistry::Fail(const std::string& id, const absl::Status& error) {
+  return Change(id, Durability::kStored, [&](OperationRecord& record) {
     record.state = OperationState::kFailed;
     record.error_code = static_cast<std::int32_t>(error.code());
     record.error_message = std::string(error.message());
-  }).IgnoreError();
+  });
 }
 
 absl::Status OperationRegistry::Cancel(const std::string& id, const core::Cancelled& cancelled) {
@@ -189,6 +190,8 @@ void OperationRegistry::Follow(const std::vector<OperationRecord>& unfinished) {
 }
 
 void OperationRegistry::Abandon(const std::string& id) {
+  // A new database may have the name, and the operation: Follow looks into the store.
+  if (is_shared_) return HandOver(id);
   Change(id, Durability::kInMemory, [](OperationRecord& record) {
     record.state = OperationState::kCancelled;
   }).IgnoreError();
@@ -214,14 +217,18 @@ absl::Status OperationRegistry::Change(const std::string& id, Durability durabil
   if (durability == Durability::kStored) {
     stored = store_.PutOperation(record, cancelled);
     if (absl::IsCancelled(stored)) return stored;
-    // Another server has ended it.
+    // Another server has ended it, or the answer to an earlier try was lost.
     if (absl::IsAborted(stored)) {
       const auto ended = store_.GetOperation(id);
       if (ended.ok()) record = *ended;
       stored = ended.status();
     }
-    // The rows of its operations were deleted with the database.
-    if (absl::IsNotFound(stored)) stored = absl::OkStatus();
+    // Deleted with its database.
+    if (absl::IsNotFound(stored)) {
+      record.state = OperationState::kCancelled;
+      stored = absl::OkStatus();
+    }
+    if (!stored.ok() && is_shared_) return stored;
     if (is_stored && !stored.ok()) LogUnstored(id, stored);
     is_stored = stored.ok();
   }

@@ -4,9 +4,10 @@
 // A later change of it may be stored. Callbacks run on the thread that ends an operation, without a
 // lock held.
 //
-// If several servers share the store, each keeps the unfinished operations of all in memory, as
-// Follow saw them last, for waits; Get and List read the store, except for the progress of
-// operations that run on this server.
+// If several servers share the store, an operation is never kept in memory only: no other server
+// would know it. A change that cannot be stored returns the error of the store. Each server keeps
+// the unfinished operations of all in memory, as Follow saw them last, for waits; Get and List read
+// the store, except for the progress of operations that run on this server.
 #pragma once
 
 #include <cstdint>
@@ -55,17 +56,20 @@ class OperationRegistry {
   void Postpone(const std::string& id);
   // Stores nothing: another server has taken over the operation.
   void HandOver(const std::string& id);
-  // To a final state. `model_version` 0: no clip was left to build from. The stage becomes "done",
+  // To a final state, unless it has ended: results never change. CANCELLED if its database was
+  // deleted. Of a shared store, an error of it: the operation has not ended.
+  // `model_version` 0: no clip was left to build from. The stage becomes "done",
   // followed by `remark`.
-  void Succeed(const std::string& id, int model_version, const std::string& remark = "");
-  void Fail(const std::string& id, const absl::Status& error);
+  absl::Status Succeed(const std::string& id, int model_version, const std::string& remark = "");
+  absl::Status Fail(const std::string& id, const absl::Status& error);
   absl::Status Cancel(const std::string& id, const core::Cancelled& cancelled = {});
   // The same for an operation that may be another server's, which then stops it. Returns false if
   // it has already ended.
   absl::StatusOr<bool> CancelAnywhere(const std::string& id, const core::Cancelled& cancelled = {});
   // Takes over what other servers have changed. `unfinished`: as MotionStore lists them.
   void Follow(const std::vector<storage::OperationRecord>& unfinished);
-  // CANCELLED, in memory only: its row is deleted with its database.
+  // Its row was deleted with its database: CANCELLED, in memory only. In a shared store it may be
+  // an operation of a new database with the name: Follow tells.
   void Abandon(const std::string& id);
 
   // Calls `watcher` once with the operation, when it is done or EndWaits is called. Returns a
@@ -86,7 +90,7 @@ class OperationRegistry {
 
   absl::StatusOr<storage::OperationRecord> Add(storage::OperationRecord record,
                                                const core::Cancelled& cancelled);
-  // Returns only OK or CANCELLED; if CANCELLED, nothing changed.
+  // Returns OK, CANCELLED, or an error of a shared store; after an error, nothing changed.
   absl::Status Change(const std::string& id, Durability durability,
                       const std::function<void(storage::OperationRecord&)>& change,
                       const core::Cancelled& cancelled = {});

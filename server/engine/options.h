@@ -14,6 +14,13 @@ struct DatabaseQuota {
   std::int64_t byte_count = std::int64_t{64} << 30;  // of the blobs of all clips
 };
 
+// What a server does, if several servers share a store. One of a file does both.
+enum class ServerWork {
+  kBoth,
+  kServe,  // builds no models
+  kBuild,  // keeps only the model in memory that it built last, unless model_memory_bytes is set
+};
+
 struct EngineOptions {
   int query_threads = 0;  // 0: number of hardware threads
   int heavy_threads = 0;  // query threads for long work such as plans; 0: all but one
@@ -33,9 +40,13 @@ struct EngineOptions {
   // proportionally fewer for more markers. More than an hour at 60 Hz.
   int max_frames = 250'000;
   std::size_t max_databases = 1000;
-  // Whether this server builds models. If not, another server that shares the store must.
-  bool builds = true;
+  ServerWork work = ServerWork::kBoth;
+  // Memory for models; 0: no limit. With a limit, a model is read when it is first used, and the
+  // models that were not used for the longest time are evicted. The last used model always stays.
+  std::int64_t model_memory_bytes = 0;
   DatabaseQuota quota;
+
+  bool builds() const { return work != ServerWork::kServe; }
 };
 
 }  // namespace motiondb::server

@@ -1,4 +1,5 @@
 #include "core/export/motion_writer.h"
+#include "core/format/gunzip.h"
 #include "core/kinematics/marker_kinematics.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
@@ -52,7 +53,8 @@ absl::StatusOr<PlanBody> RobotBody(const core::SourceFile& urdf) {
       .skeleton = std::make_shared<const core::Skeleton>(std::move(read->skeleton)),
       .is_robot = true,
       .mimics = std::move(read->mimics),
-      .dynamics = std::make_shared<const core::RobotDynamics>(std::move(read->dynamics))};
+      .dynamics = std::make_shared<const core::RobotDynamics>(std::move(read->dynamics)),
+      .visuals = std::move(read->visuals)};
 }
 
 absl::StatusOr<PlanBody> BodyOfClip(const std::string& clip, Engine& engine,
@@ -118,6 +120,7 @@ absl::Status AddRobot(const Query& query, PlanBody& body) {
   body.is_robot = true;
   body.mimics = std::move(robot.mimics);
   body.dynamics = std::make_shared<const core::RobotDynamics>(std::move(robot.dynamics));
+  body.visuals = std::move(robot.visuals);
   return absl::OkStatus();
 }
 
@@ -139,6 +142,11 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
   if (const auto* const id = std::get_if<std::string>(&request.body)) {
     body = StoredBody(*id, query.engine(), database);
   } else if (const auto* const urdf = std::get_if<core::SourceFile>(&request.body)) {
+    // The size of the request says nothing about a compressed file.
+    if (core::PlainBytes(urdf->bytes, core::kMaxSkeletonBytes) > urdf->bytes.size()) {
+      MOTIONDB_RETURN_IF_ERROR(query.terms().Reserve(
+          core::MaxBytesToRead(core::FileFormat::kCsv, {.name = urdf->name, .bytes = ""}, *urdf)));
+    }
     body = RobotBody(*urdf);
   } else {
     body = BodyOfClip(start_clip, query.engine(), database);

@@ -45,6 +45,7 @@ struct PlanBody {
   bool is_robot = false;
   std::vector<core::MimicJoint> mimics;
   std::shared_ptr<const core::RobotDynamics> dynamics;
+  std::vector<core::LinkVisual> visuals;
 };
 
 // Input of core's search.

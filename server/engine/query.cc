@@ -15,7 +15,8 @@ absl::Status CheckRevision(Engine& engine, LiveDatabase& live, const WorkOptions
   if (min_revision == 0) return absl::OkStatus();
   // First, so that no change is missed.
   if (terms.wake_on) terms.wake_on(*live.signal());
-  if (live.lifecycle().served().revision >= min_revision) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const ServedModel served, live.lifecycle().Use());
+  if (served.revision >= min_revision) return absl::OkStatus();
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t revision,
                             engine.store().annotations().Revision(live.name()));
   if (min_revision < 0 || min_revision > revision) {
@@ -40,7 +41,8 @@ absl::StatusOr<Query> Query::Begin(Engine& engine, const std::string& database, 
 }
 
 absl::StatusOr<bool> Query::UseCurrentModel(const Filter& filter) {
-  MOTIONDB_ASSIGN_OR_RETURN(ServedModel served, engine_->CurrentModelAndRevision(*database_));
+  MOTIONDB_ASSIGN_OR_RETURN(ServedModel served,
+                            engine_->CurrentModelAndRevision(*database_, terms_));
   auto mask = mask_;
   if (!filter.passes_all()) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto catalog,

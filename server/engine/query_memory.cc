@@ -235,7 +235,8 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
 std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files) {
   constexpr Bytes kFrame = 160;        // root and nodes
   constexpr Bytes kAngle = 8 + 3 * 4;  // result, floats, message and serialized form
-  constexpr Bytes kJoint = 3 * 3 * 4;  // position: floats, message and serialized form
+  // Position and, of a robot with visual shapes, rotation: floats, message and serialized form.
+  constexpr Bytes kJoint = 3 * (3 + 4) * 4;
   constexpr Bytes kAngleAsText = 160;  // in the longest format, NPZ, of a joint with one angle
   constexpr Bytes kCoordinateAsText = 4 * 12;
   Bytes bytes = 0;

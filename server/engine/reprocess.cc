@@ -212,16 +212,14 @@ absl::StatusOr<Reprocessed> Reprocess(storage::MotionStore& store, LiveDatabase&
                                       const core::BuildProgress& progress,
                                       const core::Cancelled& stopped) {
   MOTIONDB_ASSIGN_OR_RETURN(auto clips, AllClips(store, database.name()));
+  MOTIONDB_RETURN_IF_ERROR(CheckNoneIsNewer(clips));
   std::erase_if(clips, [&](const ClipRecord& clip) {
     return clip.tried_version >= core::kRepresentationVersion &&
            clip.tried_time_us >= asked_time_us;
   });
   if (clips.empty()) return Reprocessed{};
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
-  if (scheme == nullptr) {
-    return absl::InternalError(
-        fmt::format("database '{}' has clips but no markers", database.name()));
-  }
+  if (scheme == nullptr) return UnknownMarkers(store, database.name());
   spdlog::info("database '{}': deriving {} clips again", database.name(), clips.size());
   Reprocessor reprocessor(store, database, *scheme, parallel, stopped);
   for (std::size_t first = 0; first < clips.size();) {

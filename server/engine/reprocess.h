@@ -31,7 +31,7 @@ struct Reprocessed {
 // again on request, or by the next version.
 //
 // Calls `progress` before each group of clips and polls `stopped` often: CANCELLED. NOT_FOUND (the
-// database was deleted), and the codes of the store. REQUIRES: called from a build of
+// database was deleted), NewerFormat, and the codes of the store. REQUIRES: called from a build of
 // ModelLifecycle, which runs one at a time and never during a purge.
 absl::StatusOr<Reprocessed> Reprocess(storage::MotionStore& store, LiveDatabase& database,
                                       const core::ParallelFor& parallel, std::int64_t asked_time_us,

@@ -42,6 +42,13 @@ struct ServedModel {
   SnapshotPointer snapshot;  // null: none
   // It contains all changes of the database up to this revision.
   std::int64_t revision = 0;
+  // The stored model, if it is not in memory; `snapshot` is then null.
+  std::shared_ptr<const storage::ModelRecord> unloaded = nullptr;
+
+  // The record of the model, in memory or not; null: there is no model.
+  const storage::ModelRecord* record() const {
+    return snapshot != nullptr ? &snapshot->record : unloaded.get();
+  }
 };
 
 }  // namespace motiondb::server

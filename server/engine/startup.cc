@@ -63,7 +63,7 @@ absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
     for (const auto& record : records) {
       // Also if its clips cannot be listed, so that the rest of it can be deleted.
       auto& live = databases[record.name];
-      live = Serve(record.name, record.settings);
+      live = Serve(record);
       const absl::Status read = ReadDatabase(*live, record);
       if (absl::IsDataLoss(read)) {
         damages_.Note({"databases/" + record.name, std::string(read.message())});
@@ -85,15 +85,15 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
   // The previous server may have stopped before its purge.
   if (store_->maintenance().CheckIsWritable().ok()) live.lifecycle().PurgeUnlessBuilding();
   // Queries need only the model, even if the list of clips is corrupt.
-  live.lifecycle().LoadStored(damages_);
+  live.lifecycle().LoadStored();
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) {
     live.AddStored(AmountOf(clip));
     live.SetDeriveError(clip.id, clip.derive_error);
   }
-  const auto snapshot = live.lifecycle().snapshot();
-  spdlog::info("database '{}' loaded: clips={} model={}", record.name, clips.size(),
-               snapshot == nullptr ? 0 : snapshot->record.version);
+  const ServedModel served = live.lifecycle().served();
+  spdlog::info("database '{}' opened: clips={} model={}", record.name, clips.size(),
+               served.record() == nullptr ? 0 : served.record()->version);
   return absl::OkStatus();
 }
 
@@ -197,7 +197,7 @@ absl::Status Engine::PublishImport(storage::DatabaseImport& import,
   storage::DatabaseRecord record = content.record;
   record.name = database;
   LiveDatabases databases;
-  const auto live = databases[database] = Serve(database, record.settings);
+  const auto live = databases[database] = Serve(record);
   absl::Status status = ReadDatabase(*live, record);
   if (status.ok()) status = RebuildOutdated(databases);
   if (!status.ok()) damages_.Note({"databases/" + database, std::string(status.message())});

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/blob/newer_format.h"
 #include "storage/clip_segments.h"
 
 namespace motiondb::server {
@@ -35,6 +36,23 @@ absl::StatusOr<std::vector<storage::ClipRecord>> AllClips(storage::MotionStore& 
     if (last) return clips;
     page.after = clips.back().id;
   }
+}
+
+absl::Status CheckNoneIsNewer(const std::vector<storage::ClipRecord>& clips) {
+  const auto newer = std::ranges::find_if(clips, [](const storage::ClipRecord& clip) {
+    return clip.representation_version > core::kRepresentationVersion;
+  });
+  if (newer == clips.end()) return absl::OkStatus();
+  return storage::NewerFormat(fmt::format("clip '{}'", newer->id));
+}
+
+absl::Status UnknownMarkers(storage::MotionStore& store, const std::string& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, store.GetDatabase(database));
+  if (record.marker_set_text.empty()) {
+    return absl::InternalError(fmt::format("database '{}' has clips but no markers", database));
+  }
+  return absl::UnavailableError(
+      fmt::format("the markers of database '{}' are not known yet", database));
 }
 
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(

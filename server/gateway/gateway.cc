@@ -110,7 +110,7 @@ absl::StatusOr<PageFiles> ReadPage(const std::string& web_root) {
     return PageFiles();
   }
   if (!page.ok())
-    return core::InvalidArgument("web-root: {}", std::string(page.status().message()));
+    return core::InvalidArgument("the web page: {}", std::string(page.status().message()));
   return page;
 }
 
@@ -147,6 +147,8 @@ absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& op
       fmt::format("{}:{}", listen.substr(0, listen.rfind(':')), gateway->listener_->port());
   return gateway;
 }
+
+void Gateway::BeginDrain() { listener_->BeginDrain(); }
 
 void Gateway::Close(std::chrono::milliseconds grace) { listener_->Close(grace); }
 

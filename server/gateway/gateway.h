@@ -38,6 +38,8 @@ class Gateway {
 
   // HOST:PORT for clients.
   const std::string& address() const { return address_; }
+  // See Listener::BeginDrain.
+  void BeginDrain();
   // Stops accepting connections and requests, then returns. Connections that are still open after
   // `grace` are closed.
   void Close(std::chrono::milliseconds grace);

@@ -104,7 +104,7 @@ std::variant<HttpResponse, std::shared_ptr<HttpWork>> AnswerPageRequest(
     const std::shared_ptr<HttpExchange>& exchange) {
   const PageFile* file = page.Find(request.path);
   if (file == nullptr && page.index() == nullptr) {
-    return NotFound("the web page is not installed (--web-root); the HTTP API works without it");
+    return NotFound("the web page is not installed; the HTTP API works without it");
   }
   if (file == nullptr && HasExtension(request.path)) return NotFound("no such file");
   if (file == nullptr) file = page.index();

@@ -42,6 +42,8 @@ class Http1Connection final : public ClientConnection,
 
   void Start() override;
   void Tick(Clock::time_point now) override;
+  // Closes after the next response.
+  void BeginDrain() override { is_last_response_ = true; }
   void Drain() override;
   void Close() override;
   void Post(std::function<void()> work) override;
@@ -107,6 +109,7 @@ class Http1Connection final : public ClientConnection,
   bool awaiting_write_ = false;
   bool serving_ = false;
   bool closed_ = false;
+  bool is_last_response_ = false;
   bool draining_ = false;
   bool got_bytes_ = false;
   std::optional<Clock::time_point> input_ended_;    // the client has half-closed

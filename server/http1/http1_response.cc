@@ -44,7 +44,7 @@ void Http1Connection::EndStream() {
 
 void Http1Connection::WriteHead(const HttpResponse& response,
                                 std::optional<std::size_t> body_bytes) {
-  keeps_alive_ = keeps_alive_ && !draining_ && !input_ended_.has_value();
+  keeps_alive_ = keeps_alive_ && !is_last_response_ && !draining_ && !input_ended_.has_value();
   const auto reason =
       boost::beast::http::obsolete_reason(static_cast<boost::beast::http::status>(response.status));
   std::string head = fmt::format(

@@ -245,6 +245,12 @@ void Connection::Tick(Clock::time_point now) {
   Serve();
 }
 
+void Connection::BeginDrain() {
+  if (closed_ || closing_since_.has_value()) return;
+  nghttp2_submit_shutdown_notice(session_.get());
+  Serve();
+}
+
 void Connection::Drain() {
   draining_ = true;
   if (closed_ || closing_since_.has_value()) return;

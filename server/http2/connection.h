@@ -41,6 +41,8 @@ class Connection final : public ClientConnection,
 
   void Start() override;
   void Tick(Clock::time_point now) override;
+  // Sends a GOAWAY that permits all streams (RFC 9113, 6.8).
+  void BeginDrain() override;
   // Sends GOAWAY and begins no more calls.
   void Drain() override;
   void Close() override;

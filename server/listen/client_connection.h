@@ -21,6 +21,8 @@ class ClientConnection {
   virtual void Start() = 0;
   // Checks all time limits. Called about once a second.
   virtual void Tick(Clock::time_point now) = 0;
+  // Asks the client to make no more calls on this connection. Those that it makes are served.
+  virtual void BeginDrain() = 0;
   // Begins no more calls; closes after the last one.
   virtual void Drain() = 0;
   virtual void Close() = 0;

@@ -139,7 +139,7 @@ absl::Status Listener::Listen(const std::string& listen) {
 
 void Listener::Await(Acceptor& acceptor) {
   acceptor.async_wait(Acceptor::wait_read, [this, &acceptor](const auto& error) {
-    if (!error && !closing_) Accept(acceptor);  // the wait may end just before a cancel
+    if (!error && !draining_) Accept(acceptor);  // the wait may end just before a cancel
   });
 }
 
@@ -148,7 +148,7 @@ void Listener::Accept(Acceptor& acceptor) {
   accept_retry_.expires_after(kAcceptRetry);
   accept_retry_.async_wait(
       [this, &acceptor](const auto&) {  // also if another acceptor restarted the timer
-        if (!closing_) Await(acceptor);
+        if (!draining_) Await(acceptor);
       });
 }
 
@@ -260,6 +260,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
     connections.insert(connection);
   }
   connection->Start();
+  if (draining_) connection->BeginDrain();
 }
 
 void Listener::Forget(Loop& loop, const std::shared_ptr<ClientConnection>& connection,
@@ -295,16 +296,37 @@ void Listener::Tick(Loop& loop) {
   });
 }
 
+void Listener::StopAccepting() {
+  accept_retry_.cancel();
+  acceptors_.clear();
+}
+
+void Listener::BeginDrain() {
+  if (draining_.exchange(true)) return;
+  std::latch drained(static_cast<std::ptrdiff_t>(loops_.size()));
+  for (const auto& loop : loops_) {
+    boost::asio::post(loop->context, [this, &loop = *loop, &drained] {
+      if (&loop == loops_.front().get()) {
+        // Closing an acceptor resets the connections that wait in its queue.
+        for (Acceptor& acceptor : acceptors_) AcceptWaiting(acceptor);
+        StopAccepting();
+      }
+      const auto connections = loop.connections;
+      for (const auto& connection : connections) connection->BeginDrain();
+      drained.count_down();
+    });
+  }
+  drained.wait();
+}
+
 void Listener::Close(std::chrono::milliseconds grace) {
   if (closing_.exchange(true)) return;
+  draining_ = true;
   if (!loops_.front()->thread.joinable()) return;  // Listen failed or was not called
   std::latch drained(static_cast<std::ptrdiff_t>(loops_.size()));
   for (const auto& loop : loops_) {
     boost::asio::post(loop->context, [this, &loop = *loop, &drained, grace] {
-      if (&loop == loops_.front().get()) {
-        accept_retry_.cancel();
-        acceptors_.clear();
-      }
+      if (&loop == loops_.front().get()) StopAccepting();
       // A drained connection closes after its last call.
       const auto draining = loop.connections;
       for (const auto& connection : draining) connection->Drain();

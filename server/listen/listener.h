@@ -55,6 +55,9 @@ class Listener {
   ~Listener();
 
   int port() const;
+  // Stops accepting connections, and asks clients to use other ones for new calls. Returns when no
+  // more connection is accepted.
+  void BeginDrain();
   // Stops accepting connections and drains the others, then returns. Connections that are
   // still open after `grace` are closed.
   void Close(std::chrono::milliseconds grace);
@@ -86,6 +89,7 @@ class Listener {
   void Forget(Loop& loop, const std::shared_ptr<ClientConnection>& connection,
               const std::string& address, const std::string& reason);
   void Tick(Loop& loop);
+  void StopAccepting();
 
   const ListenerOptions options_;
   const MakeConnection make_;
@@ -94,6 +98,7 @@ class Listener {
   std::vector<std::unique_ptr<Loop>> loops_;
   std::vector<Acceptor> acceptors_;         // on the first loop
   boost::asio::steady_timer accept_retry_;  // used if no connection can be accepted
+  std::atomic<bool> draining_ = false;      // no more connections are accepted
   std::atomic<bool> closing_ = false;
   std::size_t next_loop_ = 0;
   AttemptLimit warnings_;

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/statvfs.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <mutex>
@@ -15,6 +16,7 @@
 #include "server/engine/snapshot.h"
 #include "server/observability/log.h"
 #include "server/observability/server_statistics.h"
+#include "storage/read_scope.h"
 
 namespace motiondb::server {
 
@@ -39,11 +41,18 @@ DatabaseStatistics StatisticsOf(Engine& engine, const LiveDatabase& database) {
                              .stored = database.stored(),
                              .operation = engine.CurrentOperation(database),
                              .rebuilds = database.lifecycle().rebuilds(),
+                             .leases = database.lifecycle().leases(),
                              .open_streams = database.open_streams(),
                              .windows = database.recognized_windows()};
-  if (const auto snapshot = database.lifecycle().snapshot()) {
-    figures.model = snapshot->record;
-    const std::int64_t age_us = NowMicroseconds() - snapshot->record.create_time_us;
+  figures.model_bytes = database.lifecycle().model_bytes();
+  const ServedModel served = database.lifecycle().served();
+  if (served.record() != nullptr) {
+    figures.model = *served.record();
+    if (served.snapshot != nullptr) {
+      figures.missing_revisions =
+          std::max<std::int64_t>(0, database.seen_revision() - served.revision);
+    }
+    const std::int64_t age_us = NowMicroseconds() - figures.model->create_time_us;
     figures.model_age_seconds = std::max(0.0, static_cast<double>(age_us) * 1e-6);
   }
   return figures;
@@ -99,6 +108,8 @@ ServerStatistics Monitor::CollectStatistics() const {
   figures.request_threads = engine_->workers().request_threads();
   figures.running_heavy_calls = engine_->workers().running_heavy();
   figures.write_failures = engine_->store().write_failures();
+  figures.store_connections = engine_->store().connections();
+  figures.look_age_seconds = engine_->SecondsSinceLook();
   figures.corruptions = engine_->corruptions();
   for (const auto& database : engine_->Databases()) {
     figures.databases.push_back(StatisticsOf(*engine_, *database));
@@ -114,6 +125,10 @@ Readiness Monitor::CheckReadiness() const {
     return {false, "starting: models are being read"};
   }
   storage::MotionStore& store = engine_->store();
+  // PostgreSQL can hang; the thread also answers /metrics.
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+  const core::Cancelled cancelled = [&] { return std::chrono::steady_clock::now() > latest; };
+  const storage::ReadScope scope(cancelled);
   const auto read = store.ListDatabases({.limit = 1});
   if (!read.ok()) {
     return {false,

@@ -10,55 +10,17 @@
 #include <string>
 #include <utility>
 
-#include "text/display_text.h"
+#include "server/observability/metric_families.h"
+#include "server/observability/store_metrics.h"
 
 namespace motiondb::server {
 
 namespace {
 
-using prometheus::ClientMetric;
-using prometheus::MetricFamily;
 using prometheus::MetricType;
-using Labels = std::vector<ClientMetric::Label>;
-
-class Families {
- public:
-  // A family of one series without labels.
-  void Add(MetricType type, const char* name, const char* help, double value, Labels labels = {}) {
-    Begin(type, name, help);
-    Put(std::move(labels), value);
-  }
-  // Starts a family; Put adds series to it.
-  void Begin(MetricType type, const char* name, const char* help) {
-    families_.push_back({name, help, type, {}});
-  }
-  void Put(Labels labels, double value) {
-    ClientMetric metric;
-    metric.label = Shown(std::move(labels));
-    metric.gauge.value = metric.counter.value = value;  // the type of the family selects one
-    families_.back().metric.push_back(std::move(metric));
-  }
-  void PutSummary(Labels labels, std::int64_t count, double sum) {
-    ClientMetric metric;
-    metric.label = Shown(std::move(labels));
-    metric.summary.sample_count = static_cast<std::uint64_t>(count);
-    metric.summary.sample_sum = sum;
-    families_.back().metric.push_back(std::move(metric));
-  }
-  std::vector<MetricFamily> Take() && { return std::move(families_); }
-
- private:
-  // Stores of earlier versions may have database names with control characters.
-  static Labels Shown(Labels labels) {
-    for (auto& label : labels) label.value = text::SafeText(label.value);
-    return labels;
-  }
-
-  std::vector<MetricFamily> families_;
-};
 
 // Uses the names of Prometheus' client libraries, for common dashboards.
-void AddProcess(const ServerStatistics& figures, Families& families) {
+void AddProcess(const ServerStatistics& figures, MetricFamilies& families) {
   const ProcessStatistics& process = figures.process;
   families.Add(MetricType::Counter, "process_cpu_seconds_total",
                "User and system time of the process, in seconds.", process.cpu_seconds);
@@ -78,7 +40,7 @@ void AddProcess(const ServerStatistics& figures, Families& families) {
                static_cast<double>(figures.start_time_us) * 1e-6);
 }
 
-void AddServer(const ServerStatistics& figures, Families& families) {
+void AddServer(const ServerStatistics& figures, MetricFamilies& families) {
   families.Add(MetricType::Gauge, "motiondb_build_info", "Always 1; the version is its label.", 1,
                {{"version", figures.version}});
   families.Add(MetricType::Gauge, "motiondb_serving",
@@ -121,34 +83,11 @@ void AddServer(const ServerStatistics& figures, Families& families) {
       static_cast<double>(figures.certificate_expiry_s));
 }
 
-void AddWriteFailures(const ServerStatistics& figures, Families& families) {
-  families.Begin(MetricType::Counter, "motiondb_store_failed_writes_total",
-                 "Failed writes of the store since the start, by reason.");
-  const auto put = [&](const char* reason, std::int64_t count) {
-    families.Put({{"reason", reason}}, static_cast<double>(count));
-  };
-  put("no_space", figures.write_failures.no_space);
-  put("io_error", figures.write_failures.io_error);
-  put("corruption", figures.write_failures.corruption);
-  put("other", figures.write_failures.other);
-}
-
-// No series until the store exists.
-void AddDisk(const ServerStatistics& figures, Families& families) {
-  const auto add = [&](const char* name, const char* help, std::int64_t bytes) {
-    families.Begin(MetricType::Gauge, name, help);
-    if (figures.disk_bytes > 0) families.Put({}, static_cast<double>(bytes));
-  };
-  add("motiondb_disk_bytes", "Size of the file system that the store is on.", figures.disk_bytes);
-  add("motiondb_disk_free_bytes", "Free space of that file system for the server.",
-      figures.disk_free_bytes);
-}
-
 using Value = std::function<double(const DatabaseStatistics&)>;
 
 // Adds a gauge with a series for each database.
 void AddEach(const ServerStatistics& figures, const char* name, const char* help,
-             const Value& value, Families& families) {
+             const Value& value, MetricFamilies& families) {
   families.Begin(MetricType::Gauge, name, help);
   for (const DatabaseStatistics& database : figures.databases) {
     families.Put({{"database", database.name}}, value(database));
@@ -157,14 +96,14 @@ void AddEach(const ServerStatistics& figures, const char* name, const char* help
 
 // Adds a gauge with a series for each database that has a model.
 void AddEachModel(const ServerStatistics& figures, const char* name, const char* help,
-                  const Value& value, Families& families) {
+                  const Value& value, MetricFamilies& families) {
   families.Begin(MetricType::Gauge, name, help);
   for (const DatabaseStatistics& database : figures.databases) {
     if (database.model) families.Put({{"database", database.name}}, value(database));
   }
 }
 
-void AddDatabases(const ServerStatistics& figures, Families& families) {
+void AddDatabases(const ServerStatistics& figures, MetricFamilies& families) {
   families.Add(MetricType::Gauge, "motiondb_databases", "Databases.",
                static_cast<double>(figures.databases.size()));
   AddEach(
@@ -185,6 +124,10 @@ void AddDatabases(const ServerStatistics& figures, Families& families) {
   AddEach(
       figures, "motiondb_model_version", "Version of the current model; 0 without one.",
       [](const auto& database) { return database.model ? database.model->version : 0; }, families);
+  AddEach(
+      figures, "motiondb_model_memory_bytes",
+      "Memory of the model, estimated from its size; 0 if it is not in memory.",
+      [](const auto& database) { return static_cast<double>(database.model_bytes); }, families);
   AddEachModel(
       figures, "motiondb_model_age_seconds", "Age of the current model.",
       [](const auto& database) { return database.model_age_seconds; }, families);
@@ -196,7 +139,7 @@ void AddDatabases(const ServerStatistics& figures, Families& families) {
       [](const auto& database) { return database.model->build_seconds; }, families);
 }
 
-void AddWindows(const ServerStatistics& figures, Families& families) {
+void AddWindows(const ServerStatistics& figures, MetricFamilies& families) {
   families.Begin(MetricType::Counter, "motiondb_recognized_windows_total",
                  "Windows that Recognize and Observe answered since the start, by answer.");
   for (const DatabaseStatistics& database : figures.databases) {
@@ -209,7 +152,7 @@ void AddWindows(const ServerStatistics& figures, Families& families) {
   }
 }
 
-void AddRebuilds(const ServerStatistics& figures, Families& families) {
+void AddRebuilds(const ServerStatistics& figures, MetricFamilies& families) {
   AddEach(
       figures, "motiondb_rebuild_pending", "1 while a build of the model waits or runs, else 0.",
       [](const auto& database) { return database.operation ? 1 : 0; }, families);
@@ -240,11 +183,10 @@ void AddRebuilds(const ServerStatistics& figures, Families& families) {
 
 }  // namespace
 
-std::vector<MetricFamily> FamiliesOf(const ServerStatistics& figures) {
-  Families families;
+std::vector<prometheus::MetricFamily> FamiliesOf(const ServerStatistics& figures) {
+  MetricFamilies families;
   AddServer(figures, families);
-  AddWriteFailures(figures, families);
-  AddDisk(figures, families);
+  AddStore(figures, families);
   AddDatabases(figures, families);
   AddWindows(figures, families);
   AddRebuilds(figures, families);

@@ -42,8 +42,11 @@ struct DatabaseStatistics {
   StoredAmount stored;
   std::optional<storage::ModelRecord> model;
   double model_age_seconds = 0;
+  std::int64_t model_bytes = 0;  // memory of the model, estimated; 0: not in memory
   std::optional<storage::OperationRecord> operation;  // pending or running build
   RebuildTally rebuilds;
+  LeaseTally leases;
+  std::int64_t missing_revisions = 0;  // of a shared store, in the model; at the last look
   int open_streams = 0;
   WindowTally windows;
 };
@@ -69,6 +72,8 @@ struct ServerStatistics {
   int request_threads = 0;
   int running_heavy_calls = 0;
   storage::WriteFailures write_failures;
+  storage::ConnectionStatistics store_connections;
+  double look_age_seconds = 0;  // see Engine::SecondsSinceLook
   ProcessStatistics process;
   std::int64_t store_bytes = 0;
   std::int64_t log_bytes = 0;

@@ -35,6 +35,7 @@ struct Call {
   Monitor& monitor;                                // statistics of the server
   Parking& parking;                                // how it waits for a change
   RunningStreams& streams;                         // of the server
+  OtherServers* others;                            // null: the store is not shared
 
   WorkOptions work_options() const {
     return {entry.allowed(), cancelled,
@@ -82,7 +83,7 @@ void Work(ServiceContext& host, const Request& request, Response& response, Unar
   CallContext& entry = reactor.entry();
   Parking& parking = reactor.parking();
   const Call call{host.engine,  entry.cancelled(), entry.deadline(), entry,
-                  host.monitor, parking,           host.streams};
+                  host.monitor, parking,           host.streams,     host.others.get()};
   const LogFields fields{{"request_id", entry.request_id()}};
   bool is_heavy = false;
   bool waits = false;

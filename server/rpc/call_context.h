@@ -100,6 +100,8 @@ class CallContext {
   const std::string& peer() const { return peer_; }
   // Id of the only database that the caller may see; empty: all.
   std::string database() const { return caller_.has_value() ? caller_->database : ""; }
+  // What authenticates the caller.
+  PeerCredentials credentials() const { return PeerCredentialsOf(context_, AddressOf(peer_)); }
   // The caller; see AuditEntry.principal.
   std::string principal() const;
   AccessControl& access() { return host_.access; }

@@ -15,27 +15,30 @@ namespace {
 
 struct ClassTexts {
   std::string_view noun;
-  std::string_view setting;
+  std::string_view in_all;  // the limit
+  std::string_view per_client;
   std::chrono::milliseconds retry_after;  // about the duration of one call
 };
 
 constexpr ClassTexts kClassTexts[] = {
-    {"calls", "calls", std::chrono::milliseconds(100)},
-    {"heavy calls", "heavy-calls", std::chrono::milliseconds(1000)},
-    {"streams", "streams", std::chrono::milliseconds(10'000)}};
+    {"calls", "--max-calls", "a quarter of --max-calls", std::chrono::milliseconds(100)},
+    {"heavy calls", "--max-heavy-calls", "a quarter of --max-heavy-calls",
+     std::chrono::milliseconds(1000)},
+    {"streams", "a quarter of --max-calls", "a 16th of --max-calls",
+     std::chrono::milliseconds(10'000)}};
 
 constexpr std::size_t Index(RequestClass request_class) {
   return static_cast<std::size_t>(request_class);
 }
 
 absl::Status TooMany(const ClassTexts& texts, int open, std::string_view whose,
-                     std::string_view share) {
+                     std::string_view limit) {
   return core::WithReason(
       "TOO_MANY_CALLS",
       RetryLater(texts.retry_after,
-                 "too many {}: {} in flight {}, the maximum ({}--max-{}); retry in {:g} s or when "
+                 "too many {}: {} in flight {}, the maximum ({}); retry in {:g} s or when "
                  "one has ended",
-                 texts.noun, open, whose, share, texts.setting,
+                 texts.noun, open, whose, limit,
                  std::chrono::duration<double>(texts.retry_after).count()));
 }
 
@@ -57,10 +60,11 @@ absl::StatusOr<CallLimits::Slot> CallLimits::Enter(RequestClass request_class,
                                                    const std::string& client) {
   const std::size_t i = Index(request_class);
   const storage::MutexLock lock(mutex_);
-  if (in_all_[i] >= limits_[i].in_all) return TooMany(kClassTexts[i], in_all_[i], "in total", "");
+  const ClassTexts& texts = kClassTexts[i];
+  if (in_all_[i] >= limits_[i].in_all) return TooMany(texts, in_all_[i], "in total", texts.in_all);
   const auto entry = per_client_.find(client);
   if (entry != per_client_.end() && entry->second[i] >= limits_[i].per_client) {
-    return TooMany(kClassTexts[i], entry->second[i], "for this client", "a quarter of ");
+    return TooMany(texts, entry->second[i], "for this client", texts.per_client);
   }
   ++in_all_[i];
   ++(entry == per_client_.end() ? per_client_[client] : entry->second)[i];

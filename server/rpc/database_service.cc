@@ -55,8 +55,9 @@ absl::Status GetDatabase(const Call& call, const v1::GetDatabaseRequest& request
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.store().GetDatabase(id));
   SetDatabase(record, *live, *response.mutable_database());
   if (full) {
-    SetStatistics(*live, live->lifecycle().snapshot().get(),
-                  *response.mutable_database()->mutable_statistics());
+    MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot,
+                              call.engine.ModelIfAny(*live, call.work_options()));
+    SetStatistics(*live, snapshot.get(), *response.mutable_database()->mutable_statistics());
   }
   return absl::OkStatus();
 }

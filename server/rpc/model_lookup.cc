@@ -9,7 +9,8 @@ namespace motiondb::server {
 
 absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
-  MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer snapshot, call.engine.CurrentModel(*live));
+  MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer snapshot,
+                            call.engine.CurrentModel(*live, call.work_options()));
   const bool is_current = snapshot->is_stored() && id.version == snapshot->record.version;
   if (id.version == 0 || is_current) return snapshot;
   MOTIONDB_RETURN_IF_ERROR(call.engine.store().GetModel(id.database, id.version).status());

@@ -22,13 +22,15 @@ absl::Status GetModel(const Call& call, const v1::GetModelRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
   if (id.version == 0) {
-    MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer current, call.engine.CurrentModel(*live));
+    MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer current,
+                              call.engine.CurrentModel(*live, call.work_options()));
     SetModel(current->record, live->settings(), current.get(), *response.mutable_model());
     return absl::OkStatus();
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
                             call.engine.store().GetModel(id.database, id.version));
-  const SnapshotPointer current = live->lifecycle().snapshot();
+  MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer current,
+                            call.engine.ModelIfAny(*live, call.work_options()));
   SetModel(record, live->settings(), current.get(), *response.mutable_model());
   return absl::OkStatus();
 }
@@ -44,7 +46,8 @@ absl::Status ListModels(const Call& call, const v1::ListModelsRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
   MOTIONDB_ASSIGN_OR_RETURN(const auto records,
                             call.engine.store().ListModels(id, before, size + 1));
-  const SnapshotPointer snapshot = live->lifecycle().snapshot();
+  MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot,
+                            call.engine.ModelIfAny(*live, call.work_options()));
   const auto make = [&](const storage::ModelRecord& record, v1::Model& to) {
     SetModel(record, live->settings(), snapshot.get(), to);
   };

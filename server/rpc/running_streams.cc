@@ -76,7 +76,7 @@ std::unique_ptr<RunningStreams::Registration> RunningStreams::Add(
     std::shared_ptr<LiveDatabase> database, v1::ObservedStream description) {
   const MutexLock lock(mutex_);
   const std::uint64_t key = ++last_key_;
-  description.set_name(StreamName(database->name(), std::to_string(key)));
+  description.set_name(StreamName(database->name(), prefix_ + std::to_string(key)));
   auto stream = std::make_shared<RunningStream>(std::move(database), std::move(description));
   streams_.emplace(key, stream);
   return std::make_unique<Registration>(*this, key, std::move(stream));
@@ -97,7 +97,8 @@ absl::StatusOr<std::shared_ptr<RunningStream>> RunningStreams::Find(const LiveDa
                                                                     const std::string& id) const {
   std::uint64_t key = 0;
   const char* const end = id.data() + id.size();
-  const auto [parsed, error] = std::from_chars(id.data(), end, key);
+  const std::size_t begin = id.starts_with(prefix_) ? prefix_.size() : id.size();
+  const auto [parsed, error] = std::from_chars(id.data() + begin, end, key);
   if (error == std::errc() && parsed == end) {
     const MutexLock lock(mutex_);
     const auto found = streams_.find(key);

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -78,6 +79,10 @@ class RunningStream {
 
 class RunningStreams {
  public:
+  // `server`: name of the server, the first part of the ids; empty: the ids are numbers.
+  explicit RunningStreams(const std::string& server = "")
+      : prefix_(server.empty() ? "" : server + "-") {}
+
   // A stream in the registry for its lifetime.
   class Registration {
    public:
@@ -107,6 +112,7 @@ class RunningStreams {
  private:
   void Remove(std::uint64_t key);
 
+  const std::string prefix_;
   mutable storage::Mutex mutex_;
   std::map<std::uint64_t, std::shared_ptr<RunningStream>> streams_ ABSL_GUARDED_BY(mutex_);
   std::uint64_t last_key_ ABSL_GUARDED_BY(mutex_) = 0;

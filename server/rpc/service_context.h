@@ -1,6 +1,8 @@
 // Shared state of all services.
 #pragma once
 
+#include <memory>
+
 #include "server/engine/engine.h"
 #include "server/observability/monitor.h"
 #include "server/rpc/call_limits.h"
@@ -11,6 +13,8 @@
 
 namespace motiondb::server {
 
+class OtherServers;
+
 struct ServiceContext {
   Engine& engine;
   AccessControl access;
@@ -18,7 +22,8 @@ struct ServiceContext {
   CallMemory memory;
   CallRegistry registry;
   Monitor& monitor;
-  RunningStreams streams = {};
+  RunningStreams streams = RunningStreams();
+  std::shared_ptr<OtherServers> others = nullptr;  // null: the store is not shared
 };
 
 }  // namespace motiondb::server

@@ -1,10 +1,14 @@
 #include "server/rpc/spectator.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/motion/error.h"
+#include "server/rpc/forwarded_stream.h"
+#include "server/rpc/other_servers.h"
 #include "server/rpc/running_streams.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
@@ -59,9 +63,19 @@ absl::Status ListStreams(const Call& call, const v1::ListStreamsRequest& request
   constexpr int kMaxStreams = 1000;
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto database, call.engine.FindDatabase(id));
-  PageBudget budget(kMaxStreams);
+  std::vector<v1::ObservedStream> streams;
+  if (call.others != nullptr && !request.this_server()) {
+    streams = StreamsOfOthers(call, *call.others, request);
+  }
   for (const auto& stream : call.streams.List(*database, kMaxStreams)) {
-    v1::ObservedStream description = stream->Description();
+    streams.push_back(stream->Description());
+  }
+  std::ranges::stable_sort(streams, [](const auto& a, const auto& b) {
+    return std::pair(a.start_time().seconds(), a.start_time().nanos()) <
+           std::pair(b.start_time().seconds(), b.start_time().nanos());
+  });
+  PageBudget budget(kMaxStreams);
+  for (v1::ObservedStream& description : streams) {
     if (!budget.Take(description.ByteSizeLong())) break;
     *response.add_streams() = std::move(description);
   }
@@ -72,6 +86,11 @@ absl::StatusOr<MessageSource<v1::WatchStreamResponse>> OpenWatchedStream(
     const Call& call, const v1::WatchStreamRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseStreamName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto database, call.engine.FindDatabase(id.database));
+  if (call.others != nullptr) {
+    const auto owner = call.others->Find(id.id.substr(0, id.id.find('-')));
+    if (owner.ok()) return ForwardWatch(call, *owner, request);
+    if (!absl::IsNotFound(owner.status())) return owner.status();
+  }
   MOTIONDB_ASSIGN_OR_RETURN(auto stream, call.streams.Find(*database, id.id));
   const auto source = std::make_shared<SpectatorSource>(call, std::move(stream));
   return [source](v1::WatchStreamResponse& message) { return source->Next(message); };

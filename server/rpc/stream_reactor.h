@@ -33,7 +33,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
       : parking_(host.engine.workers()),
         entry_(host, *context, MethodOf<Request>(), [this] { parking_.Stop(); }),
         call_{host.engine,  entry_.cancelled(), entry_.deadline(), entry_,
-              host.monitor, parking_,           host.streams},
+              host.monitor, parking_,           host.streams,      host.others.get()},
         context_(*context),
         idle_timer_(host.engine.workers(), host.limits.options().idle_limit,
                     host.limits.options().idle_limit, [this] { OnIdle(); }) {

@@ -27,7 +27,8 @@ absl::Status GetFigure(const Call& call, const v1::GetFigureRequest& request,
   const bool is_clip = request.name().find("/clips") != std::string::npos;
   if (!is_clip) {
     MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
-    MOTIONDB_ASSIGN_OR_RETURN(const Figure figure, DatabaseFigure(call.engine, id));
+    MOTIONDB_ASSIGN_OR_RETURN(const Figure figure,
+                              DatabaseFigure(call.engine, id, call.work_options()));
     SetFigure(figure, *response.mutable_figure());
     return absl::OkStatus();
   }
@@ -73,8 +74,9 @@ absl::StatusOr<MessageSource<v1::ReadClipMotionResponse>> OpenClipMotion(
   // The clip may have been replaced since.
   MOTIONDB_ASSIGN_OR_RETURN(FrameRange rest, ParseRange(request, read.frame_count()));
   const auto motion = std::make_shared<const ClipMotion>(std::move(read));
-  const auto frame_bytes =
-      static_cast<std::size_t>(4 * (motion->markers_m.cols() + motion->joints_m.cols()) + 1);
+  const Eigen::Index numbers =
+      motion->markers_m.cols() + motion->joints_m.cols() + motion->joint_rotations.cols();
+  const auto frame_bytes = static_cast<std::size_t>(4 * numbers + 1);
   MOTIONDB_RETURN_IF_ERROR(
       call.entry.ReserveFile(frame_bytes * static_cast<std::size_t>(motion->frame_count())));
   return [motion, rest, frame_bytes,

@@ -17,6 +17,12 @@ absl::Status CheckTls(const SecurityOptions& options) {
   if (!tls.enabled() && !tls.client_ca.empty()) {
     return core::InvalidArgument("tls-client-ca needs tls-certificate and tls-key");
   }
+  if (!tls.enabled() && !options.peer_ca.empty()) {
+    return core::InvalidArgument("tls-peer-ca needs tls-certificate and tls-key");
+  }
+  if (!tls.enabled() && !options.peer_name.empty()) {
+    return core::InvalidArgument("tls-peer-name needs tls-certificate and tls-key");
+  }
   if (tls.client_ca.empty() && options.certificate_role.has_value()) {
     return core::InvalidArgument("certificate-role needs tls-client-ca");
   }
@@ -62,7 +68,7 @@ absl::StatusOr<SecurityConfig> DeriveSecurityConfig(const SecurityOptions& optio
                                    : options.authentication == Authentication::kToken;
   plan.access.failures_per_minute = options.failures_per_minute;
   plan.access.certificate_role = options.certificate_role;
-  plan.reflection = options.reflection.value_or(!plan.access.authentication);
+  plan.reflection = !plan.access.authentication;
   if (!options.admin_token_file.empty()) {
     MOTIONDB_ASSIGN_OR_RETURN(plan.access.admin_token, ReadAdminToken(options.admin_token_file));
   }

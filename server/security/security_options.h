@@ -28,17 +28,19 @@ struct AccessOptions {
 
 struct SecurityOptions {
   TlsFiles tls;
+  // Authorities of the certificates of other servers of the store; empty: those of the system.
+  std::string peer_ca;
+  std::string peer_name;  // in their certificates; empty: the host of the address
   Authentication authentication = Authentication::kByAddress;
   std::string admin_token_file;  // path; its token has the role admin
   std::optional<storage::Role> certificate_role;
-  bool insecure = false;           // allows other machines without TLS or authentication
-  std::optional<bool> reflection;  // unset: on if authentication is off
+  bool insecure = false;  // allows other machines without TLS or authentication
   int failures_per_minute = AccessOptions().failures_per_minute;
 };
 
 struct SecurityConfig {
   AccessOptions access;
-  bool reflection = true;
+  bool reflection = true;  // gRPC server reflection, which needs no token: without authentication
   std::vector<std::string> warnings;  // for the operator, at start
 };
 

@@ -32,6 +32,7 @@ void AddLogSettings(CLI::App& app, Settings& settings);
 // Append the problems of the settings as a whole. Open and change no files.
 void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckHttpSettings(const Settings& settings, std::vector<absl::Status>& problems);
+void CheckEngineSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckSecuritySettings(const Settings& settings, std::vector<absl::Status>& problems);
 

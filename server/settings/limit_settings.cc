@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "server/settings/groups.h"
@@ -20,13 +21,11 @@ void AddLimit(CLI::App& app, const std::string& name, Count& limit, int min, int
 }
 
 // The limit of one client is a quarter of the limit of all, so one client cannot block the others.
-// `client` describes what identifies a client: --max-calls counts before the token is checked.
-void AddCallLimit(CLI::App& app, const std::string& name, CallLimit& limit, const std::string& what,
-                  const std::string& client = "client (token or certificate, otherwise address)") {
-  app.add_option_function<int>(
-         name,
-         [&limit](int count) { limit = {.in_all = count, .per_client = std::max(1, count / 4)}; },
-         "Maximum number of " + what + " in flight; a quarter of it for one " + client)
+CallLimit LimitOf(int count) { return {.in_all = count, .per_client = std::max(1, count / 4)}; }
+
+void AddCallLimit(CLI::App& app, const std::string& name, const CallLimit& limit,
+                  const std::function<void(int)>& set, const std::string& description) {
+  app.add_option_function<int>(name, set, description)
       ->type_name("N")
       ->check(WholeNumber())
       ->check(CLI::Range(1, 1'000'000))
@@ -68,16 +67,23 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
   AddMebibytes(app, "--max-database-mib", engine.quota.byte_count,
                "Maximum size of the clips in one database", 1 << 30)
       ->group("Limits");
-  AddCallLimit(app, "--max-calls", calls.calls, "calls",
-               "address; behind a proxy all calls have the address of the proxy");
-  AddCallLimit(app, "--max-heavy-calls", calls.heavy,
-               "heavy calls (ingests, exports, plans, series of predictions, backups, queries of "
-               "more than 1 MiB or with a long motion)");
-  AddCallLimit(app, "--max-streams", calls.streams,
-               "Observe, WatchStream and WatchDatabase streams");
+  AddCallLimit(
+      app, "--max-calls", calls.calls,
+      [&calls](int count) {
+        calls.calls = LimitOf(count);
+        calls.streams = LimitOf(std::max(1, count / 4));
+      },
+      "Maximum number of calls in flight; a quarter of them may be Observe, WatchStream and "
+      "WatchDatabase streams. One address (of the proxy, if there is one) may have a quarter of "
+      "the calls, one client a quarter of the streams");
+  AddCallLimit(
+      app, "--max-heavy-calls", calls.heavy, [&calls](int count) { calls.heavy = LimitOf(count); },
+      "Maximum number of heavy calls (ingests, exports, plans, series of predictions, backups, "
+      "queries of more than 1 MiB or with a long motion) in flight; a quarter of it for one "
+      "client (token or certificate, otherwise address)");
   AddSeconds(app, "--call-time-limit", calls.max_call_time, 1, 86400,
-             "Maximum duration of a call; not for these streams, WaitOperation, and backup, "
-             "restore and verification of the store")
+             "Maximum duration of a call; not for streams, WaitOperation, and backup, restore and "
+             "verification of the store")
       ->group("Limits");
   AddSeconds(app, "--silence-limit", calls.idle_limit, 1, 86400,
              "Idle timeout of a stream, in each direction; at most 10 s before its first message")

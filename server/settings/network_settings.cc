@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -21,6 +23,7 @@ CLI::Validator ListenAddressOrNone() {
 }
 
 struct Address {
+  // `listen` has passed ListenAddress.
   explicit Address(const std::string& listen)
       : host(listen.substr(0, listen.rfind(':'))), port(listen.substr(listen.rfind(':') + 1)) {
     if (host == "localhost") host = "127.0.0.1";
@@ -30,6 +33,19 @@ struct Address {
   std::string host;
   std::string port;
 };
+
+// Accepts an address that other machines can connect to, or an empty value.
+CLI::Validator ReachableAddress() {
+  return CLI::Validator(
+      [is_address = ListenAddress()](std::string& text) {
+        if (text.empty()) return std::string();
+        if (std::string wrong = is_address(text); !wrong.empty()) return wrong;
+        const Address address(text);
+        if (!address.is_everywhere() && std::stoi(address.port) != 0) return std::string();
+        return fmt::format("expected the host and port of one server, got '{}'", text);
+      },
+      "");
+}
 
 // Returns whether two listeners cannot use these addresses at the same time.
 bool Clash(const Address& a, const Address& b) {
@@ -46,6 +62,12 @@ void AddNetworkSettings(CLI::App& app, Settings& settings) {
       ->check(ListenAddress())
       ->capture_default_str()
       ->group("Network");
+  app.add_option("--advertise", settings.server.advertise,
+                 "Address at which other servers of the same store reach this one, to watch its "
+                 "streams; if not set: the address of --listen, unless that is all addresses")
+      ->type_name("HOST:PORT")
+      ->check(ReachableAddress())
+      ->group("Network");
   app.add_option_function<std::string>(
          "--web-listen",
          [&settings](const std::string& listen) {
@@ -57,11 +79,6 @@ void AddNetworkSettings(CLI::App& app, Settings& settings) {
       ->type_name("HOST:PORT")
       ->check(ListenAddressOrNone())
       ->default_str("none")
-      ->group("Network");
-  app.add_option("--web-root", settings.server.web_root,
-                 "Folder of the built web page, read at start; if not set: the installed page, "
-                 "../share/motiondb/web of the folder of motiondbd")
-      ->type_name("FOLDER")
       ->group("Network");
   AddSeconds(app, "--grace-seconds", settings.grace, 0, 3600,
              "Time that running calls may take after SIGTERM")

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <chrono>
 #include <concepts>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace motiondb::server {
 
@@ -46,6 +49,28 @@ template <std::integral Bytes>
 CLI::Option* AddMebibytes(CLI::App& app, const std::string& name, Bytes& bytes,
                           const std::string& description, int max = 1024, int min = 1) {
   return AddBytes<20>(app, name, bytes, "MIB", description, max, min);
+}
+
+template <typename Value, std::size_t kCount>
+using Words = std::array<std::pair<const char*, Value>, kCount>;
+
+// Adds an option with a fixed set of words as values. The first word is the default.
+template <typename Value, std::size_t kCount>
+CLI::Option* AddWord(CLI::App& app, const std::string& name, Value& value,
+                     const Words<Value, kCount>& words, const std::string& description) {
+  std::vector<std::string> allowed;
+  for (const auto& [word, meaning] : words) allowed.emplace_back(word);
+  return app
+      .add_option_function<std::string>(
+          name,
+          [&value, &words](const std::string& given) {
+            for (const auto& [word, meaning] : words) {
+              if (given == word) value = meaning;
+            }
+          },
+          description)
+      ->check(CLI::IsMember(allowed))
+      ->default_str(allowed.front());
 }
 
 // Accepts HOST:PORT or [IPV6]:PORT with a port from 0 (any free port) to 65535.

@@ -1,15 +1,13 @@
-#include <array>
 #include <string>
 #include <utility>
 
+#include "core/motion/error.h"
 #include "server/settings/groups.h"
 #include "server/settings/options.h"
+#include "storage/store_url.h"
 
 namespace motiondb::server {
 namespace {
-
-template <typename Value, std::size_t kCount>
-using Words = std::array<std::pair<const char*, Value>, kCount>;
 
 constexpr Words<Authentication, 3> kAuthentication{{{"by-address", Authentication::kByAddress},
                                                     {"token", Authentication::kToken},
@@ -19,28 +17,6 @@ constexpr Words<std::optional<storage::Role>, 4> kRoles{{{"none", std::nullopt},
                                                          {"reader", storage::Role::kReader},
                                                          {"ingester", storage::Role::kIngester},
                                                          {"admin", storage::Role::kAdmin}}};
-
-constexpr Words<std::optional<bool>, 3> kReflection{
-    {{"auto", std::nullopt}, {"on", true}, {"off", false}}};
-
-// Adds an option with a fixed set of words as values. The first word is the default.
-template <typename Value, std::size_t kCount>
-CLI::Option* AddWord(CLI::App& app, const std::string& name, Value& value,
-                     const Words<Value, kCount>& words, const std::string& description) {
-  std::vector<std::string> allowed;
-  for (const auto& [word, meaning] : words) allowed.emplace_back(word);
-  return app
-      .add_option_function<std::string>(
-          name,
-          [&value, &words](const std::string& given) {
-            for (const auto& [word, meaning] : words) {
-              if (given == word) value = meaning;
-            }
-          },
-          description)
-      ->check(CLI::IsMember(allowed))
-      ->default_str(allowed.front());
-}
 
 }  // namespace
 
@@ -69,15 +45,22 @@ void AddSecuritySettings(CLI::App& app, Settings& settings) {
                  "users may read it; reloaded when it changes")
       ->type_name("FILE")
       ->group(kGroup);
+  app.add_option("--tls-peer-ca", security.peer_ca,
+                 "Authorities of the certificates of other servers of the same store, PEM; if not "
+                 "set: those of the system")
+      ->type_name("FILE")
+      ->group(kGroup);
+  app.add_option("--tls-peer-name", security.peer_name,
+                 "Name in the certificates of other servers of the same store, if it is not the "
+                 "host of their --advertise")
+      ->type_name("NAME")
+      ->group(kGroup);
   AddWord(app, "--certificate-role", security.certificate_role, kRoles,
           "Role of a client that has a certificate and no token")
       ->group(kGroup);
   AddCount(app, "--failures-per-minute", security.failures_per_minute, 1, 1'000'000,
            "Wrong tokens per minute and address; then unknown tokens of the address are refused "
            "for up to a minute")
-      ->group(kGroup);
-  AddWord(app, "--reflection", security.reflection, kReflection,
-          "gRPC server reflection, which needs no token; auto: on if authentication is off")
       ->group(kGroup);
   app.add_flag("--insecure", security.insecure,
                "Allow other machines without TLS or without authentication")
@@ -88,6 +71,13 @@ void CheckSecuritySettings(const Settings& settings, std::vector<absl::Status>& 
   const auto plan = DeriveSecurityConfig(settings.server.security, settings.server.listen,
                                          settings.server.web_listen);
   if (!plan.ok()) problems.push_back(plan.status());
+  const SecurityOptions& security = settings.server.security;
+  if (security.peer_ca.empty() && security.peer_name.empty()) return;
+  if (storage::IsPostgresUrl(settings.store_path)) return;
+  problems.push_back(
+      core::InvalidArgument("{}: expected no value, because a file has only one server; servers "
+                            "share a store in PostgreSQL",
+                            security.peer_ca.empty() ? "tls-peer-name" : "tls-peer-ca"));
 }
 
 }  // namespace motiondb::server

@@ -15,6 +15,7 @@ namespace motiondb::server {
 // Options of a Server.
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: any free port
+  std::string advertise;                   // for other servers of the store; empty: `listen`
   std::string web_listen;                  // of the HTTP API; empty: none
   std::string web_root;                    // folder of the web page; empty: the installed one
   int max_message_bytes = 16 << 20;        // of a request; a query may contain a whole file

@@ -35,8 +35,9 @@ absl::StatusOr<std::vector<std::string>> ValuesOf(const toml::node& node) {
   std::vector<std::string> values;
   const auto add = [&](const toml::node& element) {
     std::optional<std::string> text = TextOf(element);
-    if (text) values.push_back(*std::move(text));
-    return text.has_value();
+    if (!text) return false;
+    values.push_back(*std::move(text));
+    return true;
   };
   const toml::array* const array = node.as_array();
   if (array == nullptr ? add(node) : std::ranges::all_of(*array, add)) return values;
@@ -164,7 +165,9 @@ constexpr std::pair<const char*, const char*> kRemoved[] = {
     {"max-metadata-kib", "the limit is 8 KiB of metadata for each call"},
     {"max-calls-per-client", "the limit is a quarter of max-calls"},
     {"max-heavy-calls-per-client", "the limit is a quarter of max-heavy-calls"},
-    {"max-streams-per-client", "the limit is a quarter of max-streams"},
+    {"max-streams", "the limit is a quarter of max-calls"},
+    {"max-streams-per-client", "the limit is a quarter of the limit of all streams"},
+    {"reflection", "reflection is on if authentication is off"},
 };
 
 const char* ReplacementOf(const std::string& key) {
@@ -223,6 +226,7 @@ SettingsReader::SettingsReader()
 std::vector<absl::Status> SettingsReader::CheckForStart() const {
   std::vector<absl::Status> problems;
   CheckHttpSettings(settings_, problems);
+  CheckEngineSettings(settings_, problems);
   CheckLimitSettings(settings_, problems);
   CheckSecuritySettings(settings_, problems);
   return problems;
@@ -358,8 +362,7 @@ std::vector<EffectiveSetting> SettingsReader::Effective() const {
     const Origin origin =
         found != origins_.end() ? found->second : Origin{"default", DefaultOf(*option)};
     std::vector<std::string> values = origin.values;
-    if (KeyOf(*option) == "store")
-      std::ranges::transform(values, values.begin(), storage::WithoutPassword);
+    std::ranges::transform(values, values.begin(), storage::WithoutPassword);
     effective.push_back({KeyOf(*option), FormatValues(values, IsArray(*option)), origin.source});
   }
   return effective;

@@ -10,6 +10,12 @@
 #include "storage/store_url.h"
 
 namespace motiondb::server {
+namespace {
+
+constexpr Words<ServerWork, 3> kWork{
+    {{"both", ServerWork::kBoth}, {"serve", ServerWork::kServe}, {"build", ServerWork::kBuild}}};
+
+}  // namespace
 
 void AddStoreSettings(CLI::App& app, Settings& settings) {
   app.add_option(
@@ -63,6 +69,23 @@ void AddEngineSettings(CLI::App& app, Settings& settings) {
       "Time without an ingest after which the model is rebuilt. The rebuild starts at most 10 s "
       "(or this time, if longer) after the first ingest")
       ->group("Engine");
+  AddWord(app, "--work", engine.work, kWork,
+          "Work of this server, if several servers share a store: serve answers and leaves all "
+          "builds to the others; build keeps only the model in memory that it built last")
+      ->group("Engine");
+  AddMebibytes(app, "--model-memory", engine.model_memory_bytes,
+               "Memory for models. Models are then read when they are first used, and evicted if "
+               "they were not used for the longest time; 0: all models stay in memory",
+               1 << 30, 0)
+      ->group("Engine");
+}
+
+void CheckEngineSettings(const Settings& settings, std::vector<absl::Status>& problems) {
+  if (settings.server.engine.work == ServerWork::kBoth) return;
+  if (storage::IsPostgresUrl(settings.store_path)) return;
+  problems.push_back(absl::InvalidArgumentError(
+      "work: expected both, because the only server of a file serves and builds; servers share the "
+      "work on a store in PostgreSQL"));
 }
 
 }  // namespace motiondb::server

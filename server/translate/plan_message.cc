@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "core/export/motion_writer.h"
 #include "core/motion/error.h"
@@ -102,7 +103,8 @@ void SetLimits(const core::PlannedMotion& motion, const core::RobotDynamics* dyn
   }
 }
 
-void SetFrames(const core::PlannedMotion& motion, v1::PlannedMotion& message) {
+void SetFrames(const core::PlannedMotion& motion, std::span<const core::LinkVisual> visuals,
+               v1::PlannedMotion& message) {
   message.set_frame_rate_hz(motion.markers.frame_rate_hz);
   message.set_frame_count(static_cast<int>(motion.root.rows()));
   for (Eigen::Index frame = 0; frame < motion.root.rows(); ++frame) {
@@ -131,6 +133,11 @@ void SetFrames(const core::PlannedMotion& motion, v1::PlannedMotion& message) {
   const core::FrameMatrix joints = core::JointPositions(*motion.joints);
   AppendPacked(joints.data(), static_cast<std::size_t>(joints.size()),
                *message.mutable_joint_positions());
+  if (visuals.empty()) return;
+  AddVisuals(visuals, *message.mutable_joint_visuals());
+  const core::FrameMatrix rotations = core::JointRotations(*motion.joints);
+  AppendPacked(rotations.data(), static_cast<std::size_t>(rotations.size()),
+               *message.mutable_joint_rotations());
 }
 
 // `number` is the number of the motion in the response, from 1.
@@ -179,7 +186,7 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
     to.set_coarse_layer(motion.coarse_layer);
     to.mutable_coarse_node_ids()->Add(motion.coarse_nodes.begin(), motion.coarse_nodes.end());
     to.mutable_bottom_node_ids()->Add(motion.bottom_nodes.begin(), motion.bottom_nodes.end());
-    SetFrames(motion, to);
+    SetFrames(motion, plan.body.visuals, to);
     SetQuality(motion.quality, *to.mutable_quality());
     SetLimits(motion, plan.body.dynamics.get(), to);
     if (!plan.with_files) continue;

@@ -162,8 +162,8 @@ void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live
   const StoredAmount stored = live.stored();
   message.set_clip_count(stored.clip_count);
   message.set_frame_count(stored.frame_count);
-  const auto snapshot = live.lifecycle().snapshot();
-  message.set_model_version(snapshot == nullptr ? 0 : snapshot->record.version);
+  const ServedModel served = live.lifecycle().served();
+  message.set_model_version(served.record() == nullptr ? 0 : served.record()->version);
 }
 
 void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,

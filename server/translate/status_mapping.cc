@@ -139,6 +139,27 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {ToGrpcCode(status.code()), details.message(), details.SerializeAsString()};
 }
 
+absl::Status FromGrpcStatus(const grpc::Status& status) {
+  absl::Status converted(static_cast<absl::StatusCode>(status.error_code()),
+                         status.error_message());
+  v1::Status details;
+  if (!details.ParseFromString(status.error_details())) return converted;
+  for (const google::protobuf::Any& detail : details.details()) {
+    if (detail.type_url() == kRequestInfoUrl) continue;  // the call here has its own
+    if (detail.type_url() != kErrorInfoUrl) {
+      converted.SetPayload(detail.type_url(), absl::Cord(detail.value()));
+      continue;
+    }
+    v1::ErrorInfo info;
+    if (!info.ParseFromString(detail.value())) continue;
+    converted.SetPayload(core::kReasonUrl, absl::Cord(info.reason()));
+    for (const auto& [key, value] : info.metadata()) {
+      converted.SetPayload(std::string(core::kMetadataUrl) + key, absl::Cord(value));
+    }
+  }
+  return converted;
+}
+
 absl::Status RetryLater(std::chrono::milliseconds delay, std::string_view message) {
   absl::Status status = absl::ResourceExhaustedError(std::string(message));
   status.SetPayload(kRetryInfoUrl, absl::Cord(RetryInfoOf(delay)));

@@ -18,6 +18,9 @@ namespace motiondb::server {
 // Payloads become details of a motiondb.v1.Status, in `grpc-status-details-bin`.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
+// Returns the status of a call at another server, with its details.
+absl::Status FromGrpcStatus(const grpc::Status& status);
+
 // Details of errors are payloads with type URLs of google.rpc.
 inline constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
 

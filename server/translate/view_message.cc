@@ -16,6 +16,23 @@ void AppendRow(const core::FrameMatrix& rows, int row, std::string& bytes) {
   AppendPacked(rows.row(row).data(), static_cast<std::size_t>(rows.cols()), bytes);
 }
 
+v1::VisualGeometry ToProto(core::LinkVisual::Geometry geometry) {
+  switch (geometry) {
+    case core::LinkVisual::Geometry::kBox:
+      return v1::VISUAL_GEOMETRY_BOX;
+    case core::LinkVisual::Geometry::kCylinder:
+      return v1::VISUAL_GEOMETRY_CYLINDER;
+    case core::LinkVisual::Geometry::kSphere:
+      return v1::VISUAL_GEOMETRY_SPHERE;
+  }
+  return v1::VISUAL_GEOMETRY_UNSPECIFIED;
+}
+
+template <typename Vector>
+void AddFloats(const Vector& values, google::protobuf::RepeatedField<float>& message) {
+  for (const double value : values) message.Add(static_cast<float>(value));
+}
+
 template <typename Matrix>
 void AppendMatrix(const Matrix& values, std::string& bytes) {
   AppendPacked(values.data(), static_cast<std::size_t>(values.size()), bytes);
@@ -32,6 +49,21 @@ void AddBones(std::span<const core::BoneEnds> bones,
   }
 }
 
+void AddVisuals(std::span<const core::LinkVisual> visuals,
+                google::protobuf::RepeatedPtrField<v1::LinkVisual>& messages) {
+  for (const core::LinkVisual& visual : visuals) {
+    v1::LinkVisual& message = *messages.Add();
+    message.set_joint(visual.joint);
+    message.set_geometry(ToProto(visual.geometry));
+    AddFloats(visual.size_m, *message.mutable_size_m());
+    AddFloats(Eigen::Vector3d(visual.joint_from_shape.translation()),
+              *message.mutable_position_m());
+    AddFloats(Eigen::Quaterniond(visual.joint_from_shape.linear()).coeffs(),
+              *message.mutable_rotation());
+    if (visual.color) AddFloats(*visual.color, *message.mutable_color());
+  }
+}
+
 void SetFigure(const Figure& figure, v1::Figure& message) {
   for (const std::string& name : figure.marker_names) {
     message.add_marker_names(text::ValidUtf8(name));
@@ -41,6 +73,7 @@ void SetFigure(const Figure& figure, v1::Figure& message) {
     message.add_joint_names(text::ValidUtf8(name));
   }
   AddBones(figure.joint_bones, *message.mutable_joint_bones());
+  AddVisuals(figure.joint_visuals, *message.mutable_joint_visuals());
 }
 
 void SetClipFrames(const ClipMotion& motion, int first_frame, int count, int stride,
@@ -52,6 +85,9 @@ void SetClipFrames(const ClipMotion& motion, int first_frame, int count, int str
     AppendRow(motion.markers_m, frame, *message.mutable_marker_positions());
     if (motion.joints_m.rows() > 0) {
       AppendRow(motion.joints_m, frame, *message.mutable_joint_positions());
+    }
+    if (motion.joint_rotations.rows() > 0) {
+      AppendRow(motion.joint_rotations, frame, *message.mutable_joint_rotations());
     }
     if (!motion.contacts.empty()) {
       message.mutable_contacts()->push_back(static_cast<char>(motion.contacts[frame]));

@@ -18,6 +18,7 @@ struct StateAxes;
 namespace motiondb::v1 {
 class Bone;
 class Figure;
+class LinkVisual;
 class NodePose;
 class ReadClipMotionResponse;
 class StateMapHeader;
@@ -31,6 +32,10 @@ namespace motiondb::server {
 // Appends bones.
 void AddBones(std::span<const core::BoneEnds> bones,
               google::protobuf::RepeatedPtrField<v1::Bone>& messages);
+
+// Appends visual shapes.
+void AddVisuals(std::span<const core::LinkVisual> visuals,
+                google::protobuf::RepeatedPtrField<v1::LinkVisual>& messages);
 
 void SetFigure(const Figure& figure, v1::Figure& message);
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "storage/blob/byte_stream.h"
+#include "storage/blob/newer_format.h"
 
 namespace motiondb::storage {
 namespace {
@@ -295,7 +296,10 @@ absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
 absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
   FieldReader reader(source);
   const auto version = reader.Get<std::uint32_t>();
-  if (reader.ok() && (version < kPlainVersion || version > kPartsVersion)) {
+  if (reader.ok() && version > kPartsVersion) {
+    return NewerFormat(fmt::format("parts: format version {}", version));
+  }
+  if (reader.ok() && version < kPlainVersion) {
     return core::DataLoss("parts: expected version {} to {}, got {}", kPlainVersion, kPartsVersion,
                           version);
   }

@@ -19,7 +19,7 @@ namespace motiondb::storage {
 absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink);
 
 // Leaves `states` and `root_path` empty. Checks that the clips are contiguous and that their frames
-// are those of the tree; core::Model::Create checks the rest.
+// are those of the tree; core::Model::Create checks the rest. NewerFormat: of a newer version.
 absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source);
 
 // Transition graphs as fields of a model. Reading checks every invariant of transition_graph.h; if

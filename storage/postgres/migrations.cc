@@ -350,8 +350,17 @@ CREATE TRIGGER row_crc BEFORE INSERT OR UPDATE ON build_lease
 CREATE INDEX unfinished_operation ON operation (sequence) WHERE state IN ('pending', 'running');
 )sql";
 
-constexpr const char* kPostgresMigrations[] = {kPostgresFirst, kNotifications,
-                                               kPostgresBuildLeases};
+// The running servers, of which each row lives for seconds.
+constexpr char kServers[] = R"sql(
+CREATE TABLE server (
+  name text COLLATE "C" PRIMARY KEY,
+  address text COLLATE "C" NOT NULL,
+  expire_time timestamptz NOT NULL
+);
+)sql";
+
+constexpr const char* kPostgresMigrations[] = {kPostgresFirst, kNotifications, kPostgresBuildLeases,
+                                               kServers};
 
 }  // namespace
 

@@ -17,6 +17,8 @@ struct PostgresAddress {
   // session (pgbouncer with pool_mode=transaction): no prepared statements, nothing that belongs to
   // a session.
   bool pooled = false;
+  // Whether a standby is accepted too. The URL can set it: `target_session_attrs`.
+  bool read_only = false;
 };
 
 // INVALID_ARGUMENT, without the text of the URL, if libpq cannot parse it or `pooled` is neither 0

@@ -16,7 +16,7 @@ using absl::StatusCode;
 
 // Codes by the beginning of the SQLSTATE, the first that fits:
 // https://www.postgresql.org/docs/15/errcodes-appendix.html
-constexpr std::array<std::pair<std::string_view, StatusCode>, 19> kCodes{{
+constexpr std::array<std::pair<std::string_view, StatusCode>, 20> kCodes{{
     {"23505", StatusCode::kAlreadyExists},      // unique_violation
     {"40001", StatusCode::kAborted},            // serialization_failure
     {"40P01", StatusCode::kAborted},            // deadlock_detected
@@ -33,6 +33,7 @@ constexpr std::array<std::pair<std::string_view, StatusCode>, 19> kCodes{{
     {"57014", StatusCode::kUnavailable},        // query_canceled: statement_timeout
     {"55P03", StatusCode::kUnavailable},        // lock_not_available: lock_timeout
     {"25006", StatusCode::kUnavailable},        // read_only_sql_transaction: a standby
+    {"0A000", StatusCode::kUnavailable},        // feature_not_supported: write on a standby
     {"25P03", StatusCode::kUnavailable},        // idle_in_transaction_session_timeout
     {"58", StatusCode::kUnavailable},           // system_error: io_error
     {"42501", StatusCode::kFailedPrecondition}  // insufficient_privilege

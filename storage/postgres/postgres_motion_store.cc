@@ -8,6 +8,7 @@
 #include "storage/postgres/postgres_connection.h"
 #include "storage/postgres/postgres_verifier.h"
 #include "storage/postgres/postgres_watch.h"
+#include "storage/postgres/server_table.h"
 #include "storage/postgres/text_search.h"
 #include "storage/sql/sql_motion_store_work.h"
 
@@ -26,8 +27,13 @@ absl::StatusOr<std::unique_ptr<PostgresMotionStore>> PostgresMotionStore::Open(
     const std::string& url, PostgresOptions options) {
   MOTIONDB_ASSIGN_OR_RETURN(PostgresAddress address, ParsePostgresUrl(url));
   if (!options.now_us) options.now_us = SystemTimeUs;
+  address.read_only = options.read_only;
   auto connector = std::make_shared<PostgresConnector>(std::move(address));
-  MOTIONDB_ASSIGN_OR_RETURN(auto first, PostgresConnection::Open(connector));
+  auto opened = PostgresConnection::Open(connector);
+  if (!opened.ok() && connector->IsRefused()) {
+    return absl::FailedPreconditionError(opened.status().message());
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(auto first, std::move(opened));
   MOTIONDB_RETURN_IF_ERROR(CheckServerVersion(*first));
   SchemaVersions versions;
   std::unique_ptr<Writer> writer;
@@ -74,6 +80,13 @@ absl::Status PostgresMotionStore::CheckWrites() {
   });
 }
 
+ConnectionStatistics PostgresMotionStore::connections() const {
+  ConnectionStatistics statistics = SqlMotionStore::connections();
+  statistics.opened_sessions = connector_->opened();
+  statistics.failed_sessions = connector_->failed();
+  return statistics;
+}
+
 absl::StatusOr<std::int64_t> PostgresMotionStore::LeaseTimeUs(Connection& connection) {
   return connection.QueryInteger(
       "SELECT (extract(epoch FROM clock_timestamp()) * 1000000)::bigint");
@@ -98,6 +111,17 @@ absl::StatusOr<std::vector<TextMatch>> PostgresMotionStore::SearchClips(const st
                                                                         const std::string& query) {
   return Read(
       [&](Connection& connection) { return SearchPostgresTexts(connection, database, query); });
+}
+
+absl::Status PostgresMotionStore::AnnounceServer(const ServerAddress& server,
+                                                 std::chrono::milliseconds duration) {
+  MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
+  return Write(Priority::kUrgent,
+               [&](Connection& connection) { return PutServer(connection, server, duration); });
+}
+
+absl::StatusOr<std::vector<ServerAddress>> PostgresMotionStore::ListServers() {
+  return Read(SelectServers);
 }
 
 std::unique_ptr<StoreWatch> PostgresMotionStore::WatchChanges(OnStoreChange on_change) {

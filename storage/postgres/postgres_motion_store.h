@@ -34,8 +34,8 @@ struct PostgresOptions {
 class PostgresMotionStore final : public SqlMotionStore {
  public:
   // Creates the tables if there are none; upgrades an older version. INVALID_ARGUMENT: not a URL;
-  // UNAVAILABLE: PostgreSQL cannot be reached; FAILED_PRECONDITION: see MigratePostgres, or an
-  // unsupported version of PostgreSQL.
+  // UNAVAILABLE: PostgreSQL cannot be reached; FAILED_PRECONDITION: it refuses the role, password
+  // or database, see MigratePostgres, or an unsupported version of PostgreSQL.
   static absl::StatusOr<std::unique_ptr<PostgresMotionStore>> Open(const std::string& url,
                                                                    PostgresOptions options = {});
   ~PostgresMotionStore() override { CloseConnections(); }
@@ -44,9 +44,13 @@ class PostgresMotionStore final : public SqlMotionStore {
   // Returns OK unless the last write, or a write for lack of space, failed and a test write of the
   // size of a small clip fails too.
   absl::Status CheckWrites() override;
+  ConnectionStatistics connections() const override;
   absl::StatusOr<std::vector<TextMatch>> SearchClips(const std::string& database,
                                                      const std::string& query) override;
 
+  absl::Status AnnounceServer(const ServerAddress& server,
+                              std::chrono::milliseconds duration) override;
+  absl::StatusOr<std::vector<ServerAddress>> ListServers() override;
   // Null with a pooler.
   std::unique_ptr<StoreWatch> WatchChanges(OnStoreChange on_change) override;
 

@@ -123,6 +123,8 @@ absl::StatusOr<bool> PostgresStatement::Step() {
   return true;
 }
 
+absl::StatusOr<bool> PostgresStatement::Queue() { return connection_.Queue(*this); }
+
 void PostgresStatement::Reset() {
   if (std::exchange(is_streaming_, false)) connection_.StopRows();
   parameters_ = {};

@@ -47,6 +47,7 @@ class PostgresStatement final : public PreparedStatement {
   void BindNull() override;
 
   absl::StatusOr<bool> Step() override;
+  absl::StatusOr<bool> Queue() override;
   void Reset() override;
 
   std::int64_t Integer(int column) const override;

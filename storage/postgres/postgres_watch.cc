@@ -42,7 +42,9 @@ StoreChange ParsePayload(std::string_view payload) {
 absl::Status PostgresListener::Connect() {
   if (session_ != nullptr) return absl::OkStatus();
   MOTIONDB_ASSIGN_OR_RETURN(SessionHandle session, connector_->Connect());
-  const ResultHandle listening(PQexec(session.get(), "LISTEN motiondb"));
+  PQsendQuery(session.get(), "LISTEN motiondb");
+  MOTIONDB_RETURN_IF_ERROR(connector_->Await(session.get(), {}));
+  const ResultHandle listening(PQgetResult(session.get()));
   if (PQresultStatus(listening.get()) != PGRES_COMMAND_OK) {
     return connector_->Unreachable(
         std::string(PostgresError(session.get(), listening.get()).message()));
@@ -67,25 +69,29 @@ absl::StatusOr<std::vector<StoreChange>> PostgresListener::Poll() {
 
 std::unique_ptr<StoreWatch> PostgresWatch::Start(const PostgresAddress& address,
                                                  OnStoreChange on_change) {
+  std::unique_ptr<PostgresWatch> watch(new PostgresWatch(address, std::move(on_change)));
+  if (watch->end_ < 0) return nullptr;
   try {
-    return std::unique_ptr<StoreWatch>(new PostgresWatch(address, std::move(on_change)));
+    watch->thread_ = std::thread([&self = *watch] { self.Run(); });
   } catch (const std::system_error&) {
     return nullptr;
   }
+  return watch;
 }
 
 PostgresWatch::PostgresWatch(const PostgresAddress& address, OnStoreChange on_change)
     // A connector of its own: its failed attempts do not delay those of the store.
     : listener_(std::make_shared<PostgresConnector>(address)),
       on_change_(std::move(on_change)),
-      end_(eventfd(0, EFD_CLOEXEC)),
-      thread_([this] { Run(); }) {}
+      end_(eventfd(0, EFD_CLOEXEC)) {}
 
 PostgresWatch::~PostgresWatch() {
-  const std::uint64_t one = 1;
-  static_cast<void>(!write(end_, &one, sizeof(one)));
-  thread_.join();
-  close(end_);
+  if (thread_.joinable()) {
+    const std::uint64_t one = 1;
+    static_cast<void>(!write(end_, &one, sizeof(one)));
+    thread_.join();
+  }
+  if (end_ >= 0) close(end_);
 }
 
 bool PostgresWatch::Wait(int milliseconds) {

@@ -36,7 +36,7 @@ class PostgresListener {
 // anything may have changed.
 class PostgresWatch final : public StoreWatch {
  public:
-  // Null if there is no memory for a thread.
+  // Null if there is no memory for a thread, or no file descriptor.
   static std::unique_ptr<StoreWatch> Start(const PostgresAddress& address, OnStoreChange on_change);
   ~PostgresWatch() override;
 

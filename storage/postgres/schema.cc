@@ -34,6 +34,8 @@ absl::Status IsNewer(std::int64_t version, std::int64_t latest) {
 }
 
 absl::StatusOr<SchemaVersions> Migrate(Connection& connection, std::int64_t latest) {
+  // Another server can upgrade for minutes.
+  MOTIONDB_RETURN_IF_ERROR(connection.Execute("SET LOCAL lock_timeout = 0"));
   // The lock is of the transaction, because of poolers.
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("SELECT pg_advisory_xact_lock(?)", kMigrationLock).Run());

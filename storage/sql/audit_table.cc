@@ -17,7 +17,8 @@ absl::Status InsertAuditRecord(Connection& connection, const AuditRecord& record
           record.code, record.request_id));
   MOTIONDB_RETURN_IF_ERROR(connection.SetRowChecksum("audit", sequence));
   // Sequence numbers have no gaps, so exactly kAuditLimit rows stay.
-  return connection.Query("DELETE FROM audit WHERE sequence <= ?", sequence - kAuditLimit).Run();
+  return connection.Query("DELETE FROM audit WHERE sequence <= ?", sequence - kAuditLimit)
+      .RunLater();
 }
 
 absl::StatusOr<std::vector<AuditRecord>> SelectAuditRecords(Connection& connection,

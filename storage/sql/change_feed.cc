@@ -74,13 +74,11 @@ absl::Status InsertTombstone(Connection& connection, const ClipRef& clip,
     MOTIONDB_RETURN_IF_ERROR(last.Step().status());
     number = last.Integer(0) + 1;
   }
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const std::int64_t key,
-      connection.Insert("tombstone_key",
-                        "INSERT INTO tombstone (database_key, number, revision, clip, segment) "
-                        "VALUES (?, ?, ?, ?, ?)",
-                        clip.database_key, number, revision, clip.clip, segment));
-  MOTIONDB_RETURN_IF_ERROR(connection.SetRowChecksum("tombstone", key));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.InsertRow("tombstone",
+                           "INSERT INTO tombstone (database_key, number, revision, clip, segment) "
+                           "VALUES (?, ?, ?, ?, ?)",
+                           clip.database_key, number, revision, clip.clip, segment));
   // Of the last deletions, exactly those that are still relevant stay.
   const std::int64_t last_removed = number - kTombstonesKept;
   std::optional<std::int64_t> removed;
@@ -117,15 +115,14 @@ absl::StatusOr<std::int64_t> SelectRevision(Connection& connection, const std::s
 }
 
 absl::StatusOr<std::int64_t> NextRevision(Connection& connection, std::int64_t database_key) {
-  MOTIONDB_RETURN_IF_ERROR(
-      connection
-          .Query("UPDATE database SET revision = revision + 1 WHERE database_key = ?", database_key)
-          .Run());
-  MOTIONDB_RETURN_IF_ERROR(connection.SetRowChecksum("database", database_key));
-  Statement row =
-      connection.Query("SELECT revision FROM database WHERE database_key = ?", database_key);
+  Statement row = connection.Query(
+      "UPDATE database SET revision = revision + 1 WHERE database_key = ? RETURNING revision",
+      database_key);
   MOTIONDB_RETURN_IF_ERROR(row.Step().status());
-  return row.Integer(0);
+  const std::int64_t revision = row.Integer(0);
+  MOTIONDB_RETURN_IF_ERROR(row.Run());
+  MOTIONDB_RETURN_IF_ERROR(connection.SetRowChecksum("database", database_key));
+  return revision;
 }
 
 absl::Status BurySegment(Connection& connection, const ClipRef& clip, const std::string& segment,

@@ -14,7 +14,7 @@ absl::Status WriteChunk(Connection& connection, const BlobOwner& owner, BlobKind
                          "VALUES (?, ?, ?, ?)",
                          owner.table),
              owner.key, static_cast<int>(kind), position, chunk)
-      .Run();
+      .RunLater();
 }
 
 absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,

@@ -40,7 +40,7 @@ absl::Status UpdateByteCount(Connection& connection, std::int64_t clip_key) {
                  "clip_chunk "
                  "WHERE clip_chunk.clip_key = clip.clip_key) WHERE clip_key = ?",
                  clip_key)
-          .Run());
+          .RunLater());
   return connection.SetRowChecksum("clip", clip_key);
 }
 

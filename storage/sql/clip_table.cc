@@ -319,25 +319,4 @@ absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connect
   }
 }
 
-absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
-                                           const core::ModelClip& clip,
-                                           std::span<const double> root_path,
-                                           DeletedClips deleted) {
-  const std::uint32_t crc = Crc32(std::as_bytes(root_path));
-  // Two queries with constant `deleted`: with a parameter SQLite would not use the partial indices.
-  // The newest row: a clip whose states were replaced and that was then deleted has several rows.
-  for (const char* const condition : {"deleted = 0", "deleted = 1"}) {
-    Statement row = connection.Query(
-        fmt::format("SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND {} AND "
-                    "frame_count = ? AND root_path_crc = ? AND leg_length_m = ? "
-                    "ORDER BY clip_key DESC LIMIT 1",
-                    condition),
-        database_key, clip.id, clip.frame_count, crc, clip.leg_length_m);
-    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (found) return row.Integer(0);
-    if (deleted == DeletedClips::kNot) break;
-  }
-  return core::NotFound("the clip '{}' that the model was built from is no longer stored", clip.id);
-}
-
 }  // namespace motiondb::storage

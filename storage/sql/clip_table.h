@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
+#include "core/motion/states.h"
 #include "storage/motion_store.h"
 #include "storage/sql/chunk_table.h"
 #include "storage/sql/clip_row.h"
@@ -45,14 +45,6 @@ absl::Status PurgeRemovedClips(Connection& connection, std::span<const std::int6
 // Returns the keys of all clips that PurgeRemovedClips would delete, ascending.
 absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connection,
                                                              const std::string& database);
-
-// Whether FindModelClip also accepts deleted clips.
-enum class DeletedClips { kNot, kToo };
-// Returns the key of a clip of a model. NOT_FOUND also if the stored clip has the same id but other
-// states. `root_path`: the model's root path of the clip, frames x 3, row-major.
-absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
-                                           const core::ModelClip& clip,
-                                           std::span<const double> root_path, DeletedClips deleted);
 
 inline BlobOwner ClipOwner(std::int64_t clip_key) { return {"clip", clip_key}; }
 

@@ -14,7 +14,7 @@ absl::Status InsertClipText(Connection& connection, std::int64_t clip_key, const
               "INSERT INTO clip_text (rowid, title, description, tags, labels, subject, file_name) "
               "VALUES (?, ?, ?, ?, ?, ?, ?)",
               clip_key, text[0], text[1], text[2], text[3], text[4], text[5])
-          .Run()));
+          .RunLater()));
   return connection.FlushTexts();
 }
 
@@ -35,28 +35,27 @@ absl::Status DeleteClipText(Connection& connection, std::int64_t clip_key) {
 }
 
 absl::Status FillClipText(Connection& connection) {
-  Statement clip = connection.Query(
-      "SELECT clip_key, title, description, subject, file_name, annotations FROM clip "
-      "WHERE deleted = 0");
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool found, clip.Step());
-    if (!found) return absl::OkStatus();
+  // A row for each segment of a clip, and one for a clip without segments.
+  Statement row = connection.Query(
+      "SELECT clip.clip_key, title, description, subject, file_name, annotations, label "
+      "FROM clip LEFT JOIN segment USING (clip_key) WHERE deleted = 0 ORDER BY clip.clip_key");
+  MOTIONDB_ASSIGN_OR_RETURN(bool found, row.Step());
+  while (found) {
+    const std::int64_t key = row.Integer(0);
     ClipRecord record;
-    record.title = clip.Text(1);
-    record.description = clip.Text(2);
-    record.subject = clip.Text(3);
-    record.file_name = clip.Text(4);
-    if (!clip.IsNull(5)) DecodeAnnotations(clip.Blob(5), record).IgnoreError();
+    record.title = row.Text(1);
+    record.description = row.Text(2);
+    record.subject = row.Text(3);
+    record.file_name = row.Text(4);
+    if (!row.IsNull(5)) DecodeAnnotations(row.Blob(5), record).IgnoreError();
     std::vector<SegmentRecord> segments;
-    Statement label =
-        connection.Query("SELECT DISTINCT label FROM segment WHERE clip_key = ?", clip.Integer(0));
-    while (true) {
-      MOTIONDB_ASSIGN_OR_RETURN(const bool has_label, label.Step());
-      if (!has_label) break;
-      segments.emplace_back().label = label.Text(0);
+    while (found && row.Integer(0) == key) {
+      if (!row.IsNull(6)) segments.emplace_back().label = row.Text(6);
+      MOTIONDB_ASSIGN_OR_RETURN(found, row.Step());
     }
-    MOTIONDB_RETURN_IF_ERROR(InsertClipText(connection, clip.Integer(0), TextOf(record, segments)));
+    MOTIONDB_RETURN_IF_ERROR(InsertClipText(connection, key, TextOf(record, segments)));
   }
+  return absl::OkStatus();
 }
 
 }  // namespace motiondb::storage

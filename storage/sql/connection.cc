@@ -33,6 +33,11 @@ absl::Status Statement::Run() {
   }
 }
 
+absl::Status Statement::RunLater() {
+  MOTIONDB_ASSIGN_OR_RETURN(const bool is_queued, prepared_->Queue());
+  return is_queued ? absl::OkStatus() : Run();
+}
+
 absl::StatusOr<std::int64_t> Connection::QueryInteger(std::string_view sql) {
   Statement statement = Query(sql);
   MOTIONDB_ASSIGN_OR_RETURN(const bool row, statement.Step());

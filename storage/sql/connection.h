@@ -58,6 +58,12 @@ class Connection {
     return RunInsert(Query(InsertSql(sql, key), args...));
   }
 
+  // Runs an INSERT of one row into a checked table, and sets its checksum. As Statement::RunLater.
+  template <typename... Args>
+  absl::Status InsertRow(std::string_view table, std::string_view sql, const Args&... args) {
+    return RunInsertRow(table, Query(sql, args...));
+  }
+
   // Returns the number of rows that the last INSERT, UPDATE or DELETE changed.
   virtual int changes() const = 0;
 
@@ -93,12 +99,16 @@ class Connection {
   // After rows were inserted with given keys: lets the engine choose larger ones.
   virtual absl::Status SkipUsedKeys(std::string_view table, std::string_view key) = 0;
 
-  // Keeps a hidden database from being purged by other servers, until it is released or the session
-  // ends. Nothing if there is only one server.
-  virtual absl::Status KeepHidden(std::int64_t) { return absl::OkStatus(); }
+  // Keeps a hidden database, which an import makes, from being purged by other servers for some
+  // seconds: in the transaction that inserts it (`is_new`), and in each later one. ABORTED if
+  // another server has taken it. Nothing if there is only one server.
+  virtual absl::Status KeepHidden(std::int64_t, [[maybe_unused]] bool is_new) {
+    return absl::OkStatus();
+  }
+  // In the transaction that shows it: no longer keeps it. ABORTED as above.
   virtual absl::Status ReleaseHidden(std::int64_t) { return absl::OkStatus(); }
-  // Returns an SQL condition: no other server keeps the hidden database.
-  virtual std::string_view IsNotKept() const { return "TRUE"; }
+  // Takes a hidden database for a purge. Returns false if another server keeps it.
+  virtual absl::StatusOr<bool> TakeHidden(std::int64_t) { return true; }
 
   // What follows a SELECT of rows that the transaction is going to change, so that transactions on
   // them run one after another. Empty if the engine has only one writer, and in a read transaction.
@@ -119,6 +129,7 @@ class Connection {
   // How an INSERT returns its key: the statement to run, and its key after it ran.
   virtual std::string InsertSql(std::string_view sql, std::string_view key) const = 0;
   virtual absl::StatusOr<std::int64_t> RunInsert(Statement statement) = 0;
+  virtual absl::Status RunInsertRow(std::string_view table, Statement statement) = 0;
 
  private:
   friend class Statement;

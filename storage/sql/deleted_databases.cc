@@ -205,15 +205,16 @@ class Freeing {
 absl::Status FindDeleted(Connection& connection, StagedDatabases& staged, std::int64_t after,
                          std::int64_t& key) {
   Statement row = connection.Query(
-      fmt::format("SELECT database_key FROM database WHERE deleted = 1 AND database_key > ? AND {} "
-                  "ORDER BY database_key",
-                  connection.IsNotKept()),
+      "SELECT database_key FROM database WHERE deleted = 1 AND database_key > ? "
+      "ORDER BY database_key",
       after);
   key = 0;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return absl::OkStatus();
     if (staged.Contains(row.Integer(0))) continue;
+    MOTIONDB_ASSIGN_OR_RETURN(const bool taken, connection.TakeHidden(row.Integer(0)));
+    if (!taken) continue;
     key = row.Integer(0);
     return absl::OkStatus();
   }

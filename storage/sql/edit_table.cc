@@ -118,15 +118,12 @@ class EditWriter {
       MOTIONDB_RETURN_IF_ERROR(last.Step().status());
       number = last.Integer(0) + 1;
     }
-    MOTIONDB_ASSIGN_OR_RETURN(
-        const std::int64_t key,
-        connection_.Insert(
-            "edit_key",
-            "INSERT INTO edit (database_key, number, revision, author, time_us, clips, "
-            "objects) VALUES (?, ?, ?, ?, ?, ?, ?)",
-            database_key, number, edit.id, edit.author, edit.time_us, clips,
-            std::as_bytes(std::span(objects))));
-    MOTIONDB_RETURN_IF_ERROR(connection_.SetRowChecksum("edit", key));
+    MOTIONDB_RETURN_IF_ERROR(connection_.InsertRow(
+        "edit",
+        "INSERT INTO edit (database_key, number, revision, author, time_us, clips, "
+        "objects) VALUES (?, ?, ?, ?, ?, ?, ?)",
+        database_key, number, edit.id, edit.author, edit.time_us, clips,
+        std::as_bytes(std::span(objects))));
     // Numbers have no gaps, so exactly kEditsKept rows stay.
     return connection_
         .Query("DELETE FROM edit WHERE database_key = ? AND number <= ?", database_key,

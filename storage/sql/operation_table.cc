@@ -75,13 +75,16 @@ absl::StatusOr<std::vector<OperationRecord>> ToOperationRecords(Statement& row) 
   }
 }
 
-// ABORTED if the operation has ended in another state than `state`.
-absl::Status CheckHasNotEnded(Connection& connection, const std::string& id, OperationState state) {
-  Statement row = connection.Query("SELECT state FROM operation WHERE id = ?", id);
+// ABORTED if the operation has ended. NOT_FOUND if it belongs to another database: a former one,
+// which was deleted, with the same name.
+absl::Status CheckMayChange(Connection& connection, const std::string& id,
+                            std::int64_t database_key) {
+  Statement row = connection.Query("SELECT state, database_key FROM operation WHERE id = ?", id);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return absl::OkStatus();
+  if (row.Integer(1) != database_key) return NoOperation(id);
   MOTIONDB_ASSIGN_OR_RETURN(const auto stored, FromText<OperationState>(row.Text(0)));
-  if (stored < OperationState::kSucceeded || stored == state) return absl::OkStatus();
+  if (stored < OperationState::kSucceeded) return absl::OkStatus();
   return absl::AbortedError(fmt::format("operation '{}' has already ended: {}", id, row.Text(0)));
 }
 
@@ -90,15 +93,15 @@ absl::Status CheckHasNotEnded(Connection& connection, const std::string& id, Ope
 absl::Status UpsertOperation(Connection& connection, const OperationRecord& record) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
                             FindDatabase(connection, record.database));
-  MOTIONDB_RETURN_IF_ERROR(CheckHasNotEnded(connection, record.id, record.state));
+  MOTIONDB_RETURN_IF_ERROR(CheckMayChange(connection, record.id, database_key));
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
                  "error_code, error_message, create_time_us, update_time_us, kind) "
                  "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
-                 "(database_key, state, progress, stage, model_version, error_code, error_message, "
-                 "create_time_us, update_time_us) = (excluded.database_key, excluded.state, "
-                 "excluded.progress, excluded.stage, excluded.model_version, excluded.error_code, "
+                 "(state, progress, stage, model_version, error_code, error_message, "
+                 "create_time_us, update_time_us) = (excluded.state, excluded.progress, "
+                 "excluded.stage, excluded.model_version, excluded.error_code, "
                  "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
                  record.id, database_key, ToText(record.state), record.progress, record.stage,
                  record.model_version, record.error_code, record.error_message,

@@ -7,8 +7,8 @@
 #include "storage/blob/chunk_stream.h"
 #include "storage/blob/model_codec.h"
 #include "storage/sql/change_feed.h"
-#include "storage/sql/clip_table.h"
 #include "storage/sql/database_table.h"
+#include "storage/sql/model_clips.h"
 #include "storage/sql/model_table.h"
 #include "storage/sql/model_terms.h"
 
@@ -45,28 +45,13 @@ absl::StatusOr<int> StagedVersion(Connection& connection, std::int64_t database_
   return row.Integer<int>(0);
 }
 
-// Returns the keys of the model's clips with indices `first` to `end` - 1.
-absl::StatusOr<std::vector<std::int64_t>> FindModelClips(Connection& connection,
-                                                         std::int64_t database_key,
-                                                         const core::Model& model,
-                                                         std::ptrdiff_t first, std::ptrdiff_t end,
-                                                         DeletedClips deleted) {
-  std::vector<std::int64_t> keys;
-  for (const core::ModelClip& clip : std::span(model.clips()).subspan(first, end - first)) {
-    const std::span root_path(model.root_path().row(clip.first_frame).data(),
-                              3 * static_cast<std::size_t>(clip.frame_count));
-    MOTIONDB_ASSIGN_OR_RETURN(keys.emplace_back(),
-                              FindModelClip(connection, database_key, clip, root_path, deleted));
-  }
-  return keys;
-}
-
 absl::Status InsertLayers(Connection& connection, std::int64_t model_key, const core::Tree& tree) {
   const std::string sql = fmt::format(
       "INSERT INTO model_layer (model_key, layer, node_count, row_crc) VALUES (?1, ?2, ?3, {})",
       connection.ChecksumOf("?1, ?2, ?3"));
   for (int layer = 1; layer <= tree.layer_count(); ++layer) {
-    MOTIONDB_RETURN_IF_ERROR(connection.Query(sql, model_key, layer, tree.node_count(layer)).Run());
+    MOTIONDB_RETURN_IF_ERROR(
+        connection.Query(sql, model_key, layer, tree.node_count(layer)).RunLater());
   }
   return absl::OkStatus();
 }
@@ -116,18 +101,6 @@ absl::StatusOr<bool> Extends(Connection& connection, const core::Model& model,
     if (!found || row.Text(0) != clips[c].id) return false;
   }
   return true;
-}
-
-absl::Status InsertClips(Connection& connection, std::int64_t built_key, std::int64_t first,
-                         const std::vector<std::int64_t>& clip_keys) {
-  const std::string sql = fmt::format(
-      "INSERT INTO model_clip (model_key, position, clip_key, row_crc) VALUES (?1, ?2, ?3, {})",
-      connection.ChecksumOf("?1, ?2, ?3"));
-  for (std::size_t i = 0; i < clip_keys.size(); ++i) {
-    MOTIONDB_RETURN_IF_ERROR(
-        connection.Query(sql, built_key, first + static_cast<std::int64_t>(i), clip_keys[i]).Run());
-  }
-  return absl::OkStatus();
 }
 
 // Gives a model, which has become the current one or was dropped, the next revision.
@@ -204,7 +177,7 @@ class ModelWriter {
       const absl::Status written = Write([&](Connection& connection) -> absl::Status {
         MOTIONDB_ASSIGN_OR_RETURN(const auto keys, FindModelClips(connection, database_key_, model_,
                                                                   first, end, DeletedClips::kToo));
-        return InsertClips(connection, model_key_, first, keys);
+        return InsertModelClips(connection, model_key_, first, keys);
       });
       if (!written.ok()) return written;
     }
@@ -375,7 +348,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
           .Run());
   MOTIONDB_RETURN_IF_ERROR(NoteModelChange(connection, database_key, model_key));
   MOTIONDB_RETURN_IF_ERROR(
-      InsertClips(connection, current->built_key, current->clip_count, clip_keys));
+      InsertModelClips(connection, current->built_key, current->clip_count, clip_keys));
   MOTIONDB_RETURN_IF_ERROR(DeleteOldRecords(connection, database_key, version));
   return SelectModel(connection, database, version);
 }

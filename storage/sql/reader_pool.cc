@@ -10,7 +10,10 @@
 namespace motiondb::storage {
 
 ReaderPool::ReaderPool(Open open, Check check, int limit)
-    : open_(std::move(open)), check_(std::move(check)), left_to_open_(std::max(limit, 1)) {}
+    : open_(std::move(open)),
+      check_(std::move(check)),
+      limit_(std::max(limit, 1)),
+      left_to_open_(limit_) {}
 
 absl::StatusOr<ReaderPool::Lease> ReaderPool::Acquire(const core::Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(auto idle, TakeIdle(cancelled));
@@ -54,11 +57,19 @@ absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
 
 absl::StatusOr<std::unique_ptr<Connection>> ReaderPool::TakeIdle(const core::Cancelled& cancelled) {
   const MutexLock lock(mutex_);
-  const bool available = given_back_.WaitOrCancel(mutex_, cancelled, [this] {
+  const auto is_available = [this] {
     mutex_.AssertHeld();
     return !idle_.empty() || left_to_open_ > 0;
-  });
-  if (!available) return CancelledInQueue();  // no connection is idle, so no notification is lost
+  };
+  if (!is_available()) {
+    const auto began = std::chrono::steady_clock::now();
+    ++waiting_;
+    const bool available = given_back_.WaitOrCancel(mutex_, cancelled, is_available);
+    --waiting_;
+    ++waited_;
+    wait_time_ += std::chrono::steady_clock::now() - began;
+    if (!available) return CancelledInQueue();  // no connection is idle: no notification is lost
+  }
   if (idle_.empty()) {
     --left_to_open_;
     return nullptr;
@@ -66,6 +77,17 @@ absl::StatusOr<std::unique_ptr<Connection>> ReaderPool::TakeIdle(const core::Can
   auto connection = std::move(idle_.back());
   idle_.pop_back();
   return connection;
+}
+
+ConnectionStatistics ReaderPool::statistics() const {
+  const MutexLock lock(mutex_);
+  const int open = limit_ - left_to_open_;
+  return {.max_readers = limit_,
+          .open_readers = open,
+          .leased_readers = open - static_cast<int>(idle_.size()),
+          .waiting_reads = waiting_,
+          .waited_reads = waited_,
+          .wait_seconds = wait_time_.count()};
 }
 
 void ReaderPool::GiveBack(std::unique_ptr<Connection> connection) {

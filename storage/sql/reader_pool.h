@@ -1,12 +1,15 @@
 // A pool of read connections; each is leased to one thread at a time.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
+#include "storage/motion_store.h"
 #include "storage/mutex.h"
 #include "storage/sql/connection.h"
 
@@ -46,6 +49,9 @@ class ReaderPool {
   // caller. They help a caller that already has a connection. May be empty.
   std::vector<Lease> AcquireIdle();
 
+  // Without sessions.
+  ConnectionStatistics statistics() const;
+
  private:
   // Returns an idle connection. Null if none is idle and the caller may open one. CANCELLED.
   absl::StatusOr<std::unique_ptr<Connection>> TakeIdle(const core::Cancelled& cancelled);
@@ -54,10 +60,14 @@ class ReaderPool {
 
   const Open open_;
   const Check check_;
-  Mutex mutex_;
+  const int limit_;
+  mutable Mutex mutex_;
   ConditionVariable given_back_;
   std::vector<std::unique_ptr<Connection>> idle_ ABSL_GUARDED_BY(mutex_);
   int left_to_open_ ABSL_GUARDED_BY(mutex_);
+  int waiting_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::int64_t waited_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::chrono::duration<double> wait_time_ ABSL_GUARDED_BY(mutex_){};
 };
 
 }  // namespace motiondb::storage

@@ -135,7 +135,7 @@ absl::StatusOr<std::int64_t> RowCopy::CopyRow(Connection& target) {
     MOTIONDB_RETURN_IF_ERROR(BindColumn(columns_[static_cast<std::size_t>(c)], c, key, insert));
     if (rows_->IsBlob(c)) bytes += std::ssize(rows_->Blob(c));
   }
-  const absl::Status inserted = insert.Run();
+  const absl::Status inserted = insert.RunLater();
   MOTIONDB_RETURN_IF_ERROR(table.name == TextTable().name ? target.OfTexts(inserted) : inserted);
   return bytes;
 }

@@ -45,17 +45,14 @@ absl::StatusOr<std::vector<SegmentRecord>> ReadSegments(Statement row,
 absl::Status InsertSegments(Connection& connection, const ClipRef& clip,
                             std::span<const SegmentRecord> segments) {
   for (const SegmentRecord& segment : segments) {
-    MOTIONDB_ASSIGN_OR_RETURN(
-        const std::int64_t key,
-        connection.Insert(
-            "segment_key",
-            "INSERT INTO segment (database_key, clip_key, id, track, label, start_seconds, "
-            "end_seconds, source, confidence, revision, author, create_time_us, "
-            "update_time_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-            clip.database_key, clip.clip_key, segment.id, segment.track, segment.label,
-            segment.start_seconds, segment.end_seconds, ToText(segment.source), segment.confidence,
-            segment.revision, segment.author, segment.create_time_us, segment.update_time_us));
-    MOTIONDB_RETURN_IF_ERROR(connection.SetRowChecksum("segment", key));
+    MOTIONDB_RETURN_IF_ERROR(connection.InsertRow(
+        "segment",
+        "INSERT INTO segment (database_key, clip_key, id, track, label, start_seconds, "
+        "end_seconds, source, confidence, revision, author, create_time_us, "
+        "update_time_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        clip.database_key, clip.clip_key, segment.id, segment.track, segment.label,
+        segment.start_seconds, segment.end_seconds, ToText(segment.source), segment.confidence,
+        segment.revision, segment.author, segment.create_time_us, segment.update_time_us));
   }
   return absl::OkStatus();
 }

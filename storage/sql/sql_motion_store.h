@@ -97,6 +97,9 @@ class SqlMotionStore : public MotionStore,
   absl::StatusOr<std::vector<OperationRecord>> ListUnfinishedOperations() override;
 
   WriteFailures write_failures() const override { return write_health_.failures(); }
+  ConnectionStatistics connections() const override {
+    return readers_ == nullptr ? ConnectionStatistics() : readers_->statistics();
+  }
 
   AnnotationStore& annotations() override { return *this; }
   absl::StatusOr<EditRecord> Edit(const std::string& database, std::span<const Change> changes,

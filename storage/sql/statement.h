@@ -35,6 +35,8 @@ class PreparedStatement {
   virtual void BindNull() = 0;
 
   virtual absl::StatusOr<bool> Step() = 0;
+  // Runs the statement with a later one. Returns false, and does nothing, if the engine does not.
+  virtual absl::StatusOr<bool> Queue() { return false; }
   virtual void Reset() = 0;
 
   // See Statement.
@@ -81,6 +83,11 @@ class Statement {
   absl::StatusOr<bool> Step() { return prepared_->Step(); }
   // Runs to the end; ignores rows.
   absl::Status Run();
+  // As Run, for a statement of a write transaction whose result is not used, not even the number
+  // of changed rows. An engine on another machine may send it with a later statement, so that the
+  // transaction waits less often; its error is then that of a later statement or of the commit. A
+  // blob need not outlive the call.
+  absl::Status RunLater();
   // Moves back before the first row and clears the parameters.
   void Reset() { prepared_->Reset(); }
 

@@ -96,7 +96,11 @@ bool Writer::RunTogether(const std::vector<Request*>& requests) {
   };
   const AllocationsMayFail scope;
   try {
-    return requests.front()->share->transact(*connection_, added_bytes, all).ok();
+    const absl::Status done = requests.front()->share->transact(*connection_, added_bytes, all);
+    if (!absl::IsUnavailable(done)) return done.ok();
+    // After a lost COMMIT, a request that runs again could find its own change.
+    for (const Request* const request : requests) request->share->fail(done);
+    return true;
   } catch (const std::exception&) {
     return false;  // each request then runs alone and gets its own exception
   }

@@ -60,20 +60,23 @@ class Writer {
 
   // As Run with kOrdinary, for work that returns a StatusOr and that `transact` runs. Adjacent work
   // in the queue shares one transaction and so one sync of the disk. If that transaction fails,
-  // each piece runs again in its own transaction: work may be called twice.
+  // each piece runs again in its own transaction: work may be called twice. After UNAVAILABLE none
+  // does: the store is gone, and it may be unknown whether the changes were made.
   template <typename Work>
   auto RunShared(const Transact& transact, std::int64_t added_bytes,
                  const core::Cancelled& cancelled, const Work& work)
       -> std::invoke_result_t<Work, Connection&> {
     using Result = std::invoke_result_t<Work, Connection&>;
     std::optional<Result> result;
-    const Share share{transact, added_bytes, [&](Connection& connection) {
+    const Share share{transact, added_bytes,
+                      [&](Connection& connection) {
                         result = work(connection);
                         return result->status();
-                      }};
+                      },
+                      [&](const absl::Status& failed) { result = failed; }};
     const auto alone = [&](Connection& connection) {
       absl::Status done = transact(connection, added_bytes, share.body);
-      if (!done.ok()) result = std::move(done);
+      if (!done.ok()) share.fail(done);
     };
     absl::Status begun = Submit(Priority::kOrdinary, cancelled, alone, &share);
     return begun.ok() ? *std::move(result) : Result(std::move(begun));
@@ -85,6 +88,7 @@ class Writer {
     const Transact& transact;
     std::int64_t added_bytes = 0;
     Body body;
+    std::function<void(const absl::Status&)> fail;  // sets the result
   };
 
   // Lives on the stack of its caller.
@@ -107,7 +111,7 @@ class Writer {
   // closing and all work is done.
   const std::vector<Request*>& Next();
   void RunAlone(Request& request);
-  // Returns false, with nothing changed, if one of them fails.
+  // Returns false, with nothing changed, if one of them fails. UNAVAILABLE is the result of all.
   bool RunTogether(const std::vector<Request*>& requests);
   // Returns the queue of the next request. Null if all are empty.
   Queue* NextQueue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -97,6 +97,11 @@ absl::StatusOr<std::int64_t> SqliteConnection::RunInsert(Statement statement) {
   return sqlite3_last_insert_rowid(handle_.get());
 }
 
+absl::Status SqliteConnection::RunInsertRow(std::string_view table, Statement statement) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, RunInsert(std::move(statement)));
+  return SetRowChecksum(table, key);
+}
+
 std::unique_ptr<PreparedStatement> SqliteConnection::Prepare(std::string_view sql) {
   if (const auto idle = idle_.find(sql); idle != idle_.end()) {
     std::unique_ptr<SqliteStatement> statement = std::move(idle->second);

@@ -60,6 +60,7 @@ class SqliteConnection final : public Connection {
   void GiveBack(std::unique_ptr<PreparedStatement> statement) override;
   std::string InsertSql(std::string_view sql, std::string_view key) const override;
   absl::StatusOr<std::int64_t> RunInsert(Statement statement) override;
+  absl::Status RunInsertRow(std::string_view table, Statement statement) override;
 
  private:
   struct Close {

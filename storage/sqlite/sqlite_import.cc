@@ -71,12 +71,13 @@ absl::Status SqliteImport::Stage(const core::Cancelled& cancelled) {
             "corrupt "
             "or of another server: import the file again");
       }
+      if (staged_key_ != 0) MOTIONDB_RETURN_IF_ERROR(store.KeepHidden(staged_key_, false));
       MOTIONDB_ASSIGN_OR_RETURN(more, copy.Step(store));
       if (staged_key_ == 0) {
         // In the transaction, before a purge can find the database.
         staged_key_ = copy.target_key();
         staged_.Add(staged_key_);
-        return store.KeepHidden(staged_key_);
+        return store.KeepHidden(staged_key_, true);
       }
       return absl::OkStatus();
     };

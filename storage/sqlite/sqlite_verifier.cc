@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "storage/mutex.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/file_faults.h"
 #include "storage/sqlite/index_corruption.h"
@@ -26,7 +27,7 @@ class Interruptible {
   Interruptible(Connection& connection, const core::Cancelled& cancelled) {
     if (!cancelled) return;
     watcher_ = std::jthread([&connection, &cancelled](const std::stop_token& stop) {
-      std::mutex mutex;
+      Mutex mutex;
       std::condition_variable_any ended;
       std::unique_lock lock(mutex);
       while (!stop.stop_requested()) {

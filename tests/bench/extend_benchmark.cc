@@ -52,9 +52,8 @@ class ServedDatabase {
         live_(std::make_shared<server::LiveDatabase>(record.name, record.settings)) {
     options_.extend_from = std::chrono::seconds(0);
     live_->Serve(std::make_unique<server::ModelLifecycle>(
-        *live_, server::LifecycleServices{store, operations_, executor_, options_}));
-    server::CorruptionLog corruptions;
-    live_->lifecycle().LoadStored(corruptions);
+        *live_, server::LifecycleServices{store, operations_, corruptions_, executor_, options_}));
+    live_->lifecycle().LoadStored();
   }
 
   server::LiveDatabase& live() { return *live_; }
@@ -68,6 +67,7 @@ class ServedDatabase {
  private:
   server::EngineOptions options_;
   server::OperationRegistry operations_;
+  server::CorruptionLog corruptions_;
   SimulatedExecutor executor_{1};
   const std::shared_ptr<server::LiveDatabase> live_;
 };

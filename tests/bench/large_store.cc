@@ -14,6 +14,7 @@
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
+#include "server/engine/corruption_log.h"
 #include "server/engine/file_names.h"
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
@@ -109,11 +110,12 @@ absl::StatusOr<std::vector<BuildStage>> RebuildStore(const std::string& path,
   server::EngineOptions options;
   options.rebuild_delay = std::chrono::milliseconds(0);
   server::OperationRegistry operations(*store);
+  server::CorruptionLog corruptions;
   LendingExecutor executor(parallel);
   const auto live = std::make_shared<server::LiveDatabase>(record.name, record.settings);
   live->set_scheme(server::MarkerSchemes().Of(record));
   live->Serve(std::make_unique<server::ModelLifecycle>(
-      *live, server::LifecycleServices{*store, operations, executor, options}));
+      *live, server::LifecycleServices{*store, operations, corruptions, executor, options}));
   MOTIONDB_ASSIGN_OR_RETURN(const auto requested, live->lifecycle().Request());
   StageLog log;
   std::atomic<bool> is_over = false;

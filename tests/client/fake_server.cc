@@ -76,22 +76,24 @@ void Stream(const FakeServer::Reply& reply, grpc::ServerWriter<Message>* writer)
   }
 
 #define MOTIONDB_FAKE_STREAM(Method)                                         \
-  Status Method(ServerContext*, const v1::Method##Request* request,          \
+  Status Method(ServerContext* context, const v1::Method##Request* request,  \
                 grpc::ServerWriter<v1::Method##Response>* writer) override { \
     fake.Keep(#Method, request->SerializeAsString());                        \
+    fake.KeepHeaders(#Method, MetadataOf(*context));                         \
     const auto reply = fake.Next(#Method);                                   \
     Stream(reply, writer);                                                   \
     return StatusOf(reply);                                                  \
   }
 
-#define MOTIONDB_FAKE_UPLOAD(Method)                                                \
-  Status Method(ServerContext*, grpc::ServerReader<v1::Method##Request>* reader,    \
-                v1::Method##Response* response) override {                          \
-    v1::Method##Request message;                                                    \
-    while (reader->Read(&message)) fake.Keep(#Method, message.SerializeAsString()); \
-    const auto reply = fake.Next(#Method);                                          \
-    Fill(reply, response);                                                          \
-    return StatusOf(reply);                                                         \
+#define MOTIONDB_FAKE_UPLOAD(Method)                                                     \
+  Status Method(ServerContext* context, grpc::ServerReader<v1::Method##Request>* reader, \
+                v1::Method##Response* response) override {                               \
+    fake.KeepHeaders(#Method, MetadataOf(*context));                                     \
+    v1::Method##Request message;                                                         \
+    while (reader->Read(&message)) fake.Keep(#Method, message.SerializeAsString());      \
+    const auto reply = fake.Next(#Method);                                               \
+    Fill(reply, response);                                                               \
+    return StatusOf(reply);                                                              \
   }
 
 struct FakeServer::Services {

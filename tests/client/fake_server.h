@@ -60,7 +60,7 @@ class FakeServer {
     return requests;
   }
 
-  // Returns the headers of the unary calls in order.
+  // Returns the headers of the calls in order.
   using Headers = std::map<std::string, std::string>;
   std::vector<Headers> HeadersOf(const std::string& rpc) const;
 

@@ -23,6 +23,9 @@ TEST_CASE("MotionFile: the skeleton of an AMC is the ASF with the longest matchi
   CHECK(FindSkeletonBeside(folder / "13_01.amc").value() == folder / "13.asf");
   CHECK(FindSkeletonBeside(folder / "135_04.amc").value() == folder / "135.asf");
   CHECK(FindSkeletonBeside(folder / "HDM_bk_walk.amc").value() == folder / "HDM_bk.ASF");
+  folder.Write("135_0.asf.gz", "");
+  CHECK(FindSkeletonBeside(folder / "135_04.amc").value() == folder / "135_0.asf.gz");
+  CHECK(FindSkeletonBeside(folder / "135_1.amc").value() == folder / "135.asf");
   const absl::Status none = FindSkeletonBeside(folder / "07_01.amc").status();
   CHECK(none.code() == absl::StatusCode::kNotFound);
   CHECK_THAT(std::string(none.message()),
@@ -35,6 +38,9 @@ TEST_CASE("MotionFile: only AMC files need a skeleton file", "[client][cli]") {
   CHECK(SkeletonFor(folder / "walk.bvh", "given.asf").value().empty());
   CHECK(SkeletonFor(folder / "walk.AMC", "given.asf").value() == "given.asf");
   CHECK(SkeletonFor(folder / "walk.amc", "").value() == folder / "walk.asf");
+  CHECK(SkeletonFor(folder / "robot.csv", "").value().empty());
+  folder.Write("robot.urdf.gz", "");
+  CHECK(SkeletonFor(folder / "robot.csv", "").value() == folder / "robot.urdf.gz");
 }
 
 TEST_CASE("MotionFile: an observation contains both files and the conventions", "[client][cli]") {

@@ -44,6 +44,18 @@ TEST_CASE("ObserveAnswerLine: labels, state, prediction and a new model", "[clie
              Catch::EndsWith("(now a newer model, not calibrated yet)"));
 }
 
+TEST_CASE("ReconnectText: the lost frames", "[client][cli]") {
+  ObserveReconnect reconnect{absl::UnavailableError("the server is gone"),
+                             std::chrono::milliseconds(320), 0, 0};
+  CHECK(ReconnectText(reconnect, 60) ==
+        "the server is gone; continued after 0.32 s; no frame is lost");
+  reconnect.lost_frames = 90;
+  reconnect.first_frame = 90;
+  CHECK(ReconnectText(reconnect, 60) ==
+        "the server is gone; continued after 0.32 s; further answers do not depend on the 90 "
+        "frames before 1.50 s");
+}
+
 TEST_CASE("ReplayText: rate, and latencies if messages were sent at a fixed rate",
           "[client][cli]") {
   v1::ObserveResponse last;

@@ -157,14 +157,14 @@ TEST_CASE("motiondb plan: files are sent in the request", "[client][cli]") {
   server.Answer("Plan", QuarterCirclePlan());
   const TemporaryFolder folder;
   const std::string seen = folder.Write("seen.bvh", "HIERARCHY").string();
-  const std::string robot = folder.Write("g1.URDF", "<robot/>").string();
+  const std::string robot = folder.Write("g1.URDF.gz", "<robot/>").string();
   CHECK(RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,0,0", "--observation", seen,
                                        "--skeleton", robot})
             .exit_code == 0);
   const v1::PlanRequest request = Sent(server);
   CHECK(request.observation_start().file().file_name() == "seen.bvh");
   CHECK(request.observation_start().file().data() == "HIERARCHY");
-  CHECK(request.robot().file_name() == "g1.URDF");
+  CHECK(request.robot().file_name() == "g1.URDF.gz");
   CHECK(request.robot().urdf() == "<robot/>");
 }
 

@@ -12,85 +12,11 @@ import sys
 import tempfile
 import unittest
 
-try:
-    import yaml
-except ImportError:
-    print("skipped: no python3-yaml; deploy/install_packages.sh deploy-test")
-    sys.exit(77)
-
-MOTIONDBD = sys.argv[1]
-DEPLOY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../deploy")
-
-# From docs/benchmarks.md: a million frames of 34 markers need 3.3 GB at the peak of a full build.
-BYTES_OF_A_FRAME_BEING_BUILT = 3300
+from deploy_files import DEPLOY, IMAGE, MOTIONDBD, read, settings, variable_of, yaml
+from manifests import Manifests
 
 # Secrets of a server that other machines can reach.
 SECRETS = ("server.crt", "server.key", "admin-token")
-
-# Allowed fields of the manifests. {}: any value; a list: the schema of each element. Kubernetes
-# would ignore or refuse a misspelt field, but no test has a cluster.
-METADATA = {"name": {}, "labels": {}, "annotations": {}}
-PROBE = {"httpGet": {"path": {}, "port": {}}, "periodSeconds": {}, "timeoutSeconds": {},
-         "failureThreshold": {}, "initialDelaySeconds": {}}
-CONTAINER = {
-    "name": {}, "image": {}, "imagePullPolicy": {}, "args": {},
-    "ports": [{"name": {}, "containerPort": {}, "protocol": {}}],
-    "env": [{"name": {}, "value": {}, "valueFrom": {}}],
-    "startupProbe": PROBE, "livenessProbe": PROBE, "readinessProbe": PROBE,
-    "resources": {"requests": {"cpu": {}, "memory": {}}, "limits": {"cpu": {}, "memory": {}}},
-    "securityContext": {"allowPrivilegeEscalation": {}, "readOnlyRootFilesystem": {},
-                        "capabilities": {"drop": {}}},
-    "volumeMounts": [{"name": {}, "mountPath": {}, "readOnly": {}}],
-}
-POD = {
-    "enableServiceLinks": {}, "automountServiceAccountToken": {},
-    "terminationGracePeriodSeconds": {},
-    "securityContext": {"runAsNonRoot": {}, "runAsUser": {}, "runAsGroup": {}, "fsGroup": {},
-                        "fsGroupChangePolicy": {}, "seccompProfile": {"type": {}}},
-    "containers": [CONTAINER],
-    "volumes": [{"name": {}, "configMap": {"name": {}}, "emptyDir": {},
-                 "secret": {"secretName": {}, "defaultMode": {}}}],
-}
-SCHEMA = {
-    ("v1", "ConfigMap"): {"metadata": METADATA, "data": {}},
-    ("v1", "Service"): {"metadata": METADATA, "spec": {
-        "clusterIP": {}, "publishNotReadyAddresses": {}, "selector": {},
-        "ports": [{"name": {}, "port": {}, "targetPort": {}, "appProtocol": {}}]}},
-    ("apps/v1", "StatefulSet"): {"metadata": METADATA, "spec": {
-        "serviceName": {}, "replicas": {}, "selector": {"matchLabels": {}},
-        "template": {"metadata": METADATA, "spec": POD},
-        "volumeClaimTemplates": [{"metadata": METADATA, "spec": {
-            "accessModes": {}, "storageClassName": {},
-            "resources": {"requests": {"storage": {}}}}}]}},
-}
-
-
-def read(*path):
-    with open(os.path.join(DEPLOY, *path), encoding="utf-8") as file:
-        return file.read()
-
-
-def unknown_fields(value, schema, where):
-    """Returns the paths of `value` that are not in `schema`."""
-    if schema == {}:
-        return []
-    if isinstance(schema, list):
-        assert isinstance(value, list), f"{where} is not a list"
-        return [bad for i, member in enumerate(value)
-                for bad in unknown_fields(member, schema[0], f"{where}[{i}]")]
-    assert isinstance(value, dict), f"{where} is not an object"
-    return [bad for name, member in value.items()
-            for bad in ([f"{where}.{name}"] if name not in schema
-                        else unknown_fields(member, schema[name], f"{where}.{name}"))]
-
-
-def settings():
-    text = subprocess.run([MOTIONDBD, "--help"], capture_output=True, text=True, check=True).stdout
-    return set(re.findall(r"^ +--([a-z][-a-z]*)", text, re.MULTILINE))
-
-
-def variable_of(setting):
-    return "MOTIONDBD_" + setting.upper().replace("-", "_")
 
 
 def write_secrets(folder):
@@ -107,24 +33,6 @@ def write_secrets(folder):
 
 def seconds(text):
     return int(re.fullmatch(r"(\d+)s", text).group(1))
-
-
-class Image:
-    """The last stage of the Dockerfile."""
-    def __init__(self):
-        text = read("docker/Dockerfile").replace("\\\n", " ")
-        last = text[text.rindex("\nFROM "):]
-        self.lines = re.findall(r"^([A-Z]+) (.*)$", last, re.MULTILINE)
-        self.all_lines = re.findall(r"^([A-Z]+) (.*)$", text, re.MULTILINE)
-        self.variables = dict(re.findall(r"(MOTIONDBD_\w+)=(\S+)", " ".join(self.of("ENV"))))
-        self.ports = {int(port) for line in self.of("EXPOSE") for port in line.split()}
-        self.user, self.volume = self.of("USER")[0], self.of("VOLUME")[0]
-
-    def of(self, instruction):
-        return [rest for name, rest in self.lines if name == instruction]
-
-
-IMAGE = Image()
 
 
 class DockerfileTest(unittest.TestCase):
@@ -256,38 +164,10 @@ class AlertsTest(unittest.TestCase):
         self.assertEqual({case["alertname"] for case in cases if case["exp_alerts"]}, alerts)
 
 
-class KubernetesTest(unittest.TestCase):
-    def setUp(self):
-        self.objects = list(yaml.safe_load_all(read("kubernetes/motiondb.yaml")))
-        self.set = self.one("StatefulSet")["spec"]
-        self.template = self.set["template"]
-        self.pod = self.template["spec"]
-        self.container, = self.pod["containers"]
-        self.config = self.one("ConfigMap")["data"]["motiondbd.conf"]
-        self.mounts = {m["name"]: m["mountPath"] for m in self.container["volumeMounts"]}
+class KubernetesTest(Manifests, unittest.TestCase):
+    FILE, KIND = "kubernetes/motiondb.yaml", "StatefulSet"
 
-    def all(self, kind):
-        return [o for o in self.objects if o["kind"] == kind]
-
-    def one(self, kind):
-        found, = self.all(kind)
-        return found
-
-    def configured(self):
-        return dict(re.findall(r'^([a-z-]+) = "?([^"\n]*)"?$', self.config, re.MULTILINE))
-
-    def test_every_field_is_known(self):
-        for each in self.objects:
-            schema = SCHEMA[(each["apiVersion"], each["kind"])]
-            body = {k: v for k, v in each.items() if k not in ("apiVersion", "kind")}
-            self.assertEqual(unknown_fields(body, schema, each["kind"]), [])
-
-    def test_labels_join_services_and_pods(self):
-        labels = self.template["metadata"]["labels"]
-        for selector in [self.set["selector"]["matchLabels"],
-                         *(service["spec"]["selector"] for service in self.all("Service"))]:
-            self.assertTrue(selector)
-            self.assertLessEqual(selector.items(), labels.items())
+    def test_one_server_has_the_headless_service(self):
         headless = [s["metadata"]["name"] for s in self.all("Service")
                     if s["spec"].get("clusterIP") == "None"]
         self.assertEqual(headless, [self.set["serviceName"]])
@@ -295,76 +175,11 @@ class KubernetesTest(unittest.TestCase):
 
     def test_operations_md_upgrades_this_container(self):
         name, container = re.search(r"set image statefulset/(\S+) (\w+)=", read("../docs/operations.md")).groups()
-        self.assertEqual((name, container),
-                         (self.one("StatefulSet")["metadata"]["name"], self.container["name"]))
+        self.assertEqual((name, container), (self.set_name(), self.container["name"]))
 
-    def test_ports_match_the_image(self):
-        ports = {port["name"]: port["containerPort"] for port in self.container["ports"]}
-        self.assertEqual(set(ports.values()), IMAGE.ports)
-        for service in self.all("Service"):
-            for port in service["spec"]["ports"]:
-                self.assertEqual(ports[port["targetPort"]], port["port"])
-        self.assertEqual(IMAGE.variables["MOTIONDBD_LISTEN"], f"0.0.0.0:{ports['grpc']}")
-        self.assertEqual(IMAGE.variables["MOTIONDBD_HTTP_LISTEN"], f"0.0.0.0:{ports['http']}")
-        annotations = self.template["metadata"]["annotations"]
-        self.assertEqual(annotations["prometheus.io/port"], str(ports["http"]))
-        for probe in ("startupProbe", "livenessProbe", "readinessProbe"):
-            self.assertEqual(self.container[probe]["httpGet"]["port"], "http")
-
-    def test_the_image_overrides_no_setting(self):
-        overridden = {name for name in self.configured() if variable_of(name) in IMAGE.variables}
-        self.assertEqual(overridden, set())
-
-    def test_paths_are_pages_of_the_server(self):
-        with open(os.path.join(DEPLOY, "../server/observability/health_server.cc"),
-                  encoding="utf-8") as file:
-            pages = set(re.findall(r'pages\["(/\w+)"\]', file.read()))
-        asked = {self.container[probe]["httpGet"]["path"]
-                 for probe in ("startupProbe", "livenessProbe", "readinessProbe")}
-        self.assertEqual(asked, {"/livez", "/readyz"})
-        asked.add(self.template["metadata"]["annotations"]["prometheus.io/path"])
-        self.assertLessEqual(asked, pages)
-
-    def test_settings_are_known_and_their_files_mounted(self):
-        configured = self.configured()
-        self.assertLessEqual(set(configured), settings())
-        self.assertEqual(len(configured), len(self.config.strip().splitlines()))
-        folders = set(self.mounts.values())
-        for setting in ("tls-certificate", "tls-key", "admin-token-file", "store"):
-            self.assertIn(os.path.dirname(configured[setting]), folders, setting)
-        self.assertEqual(os.path.dirname(IMAGE.variables["MOTIONDBD_CONFIG"]),
-                         self.mounts["configuration"])
-        self.assertGreater(self.pod["terminationGracePeriodSeconds"],
-                           int(configured["grace-seconds"]))
-
-    def test_the_largest_database_fits_the_memory_limit(self):
-        limit = re.fullmatch(r"(\d+)Gi", self.container["resources"]["limits"]["memory"])
-        frames = int(self.configured()["max-database-frames"])
-        built = frames * BYTES_OF_A_FRAME_BEING_BUILT
-        self.assertLess(built, int(limit.group(1)) << 30)
-
-    def test_every_mount_has_its_volume(self):
-        volumes = {volume["name"] for volume in self.pod["volumes"]}
-        claims = {claim["metadata"]["name"] for claim in self.set["volumeClaimTemplates"]}
-        self.assertEqual(set(self.mounts), volumes | claims)
+    def test_the_store_is_in_its_volume(self):
+        self.assertEqual(os.path.dirname(self.configured()["store"]), self.mounts["store"])
         self.assertEqual(self.mounts["store"], IMAGE.volume)
-        for volume in self.pod["volumes"]:
-            if "configMap" in volume:
-                self.assertEqual(volume["configMap"]["name"], self.one("ConfigMap")["metadata"]["name"])
-            if "secret" in volume:
-                self.assertEqual(volume["secret"]["defaultMode"] & 0o007, 0)
-
-    def test_the_pod_is_unprivileged(self):
-        user, group = map(int, IMAGE.user.split(":"))
-        context = self.pod["securityContext"]
-        self.assertTrue(context["runAsNonRoot"])
-        self.assertEqual((context["runAsUser"], context["runAsGroup"], context["fsGroup"]),
-                         (user, group, group))
-        self.assertEqual(context["seccompProfile"]["type"], "RuntimeDefault")
-        context = self.container["securityContext"]
-        self.assertFalse(context["allowPrivilegeEscalation"])
-        self.assertTrue(context["readOnlyRootFilesystem"])
-        self.assertEqual(context["capabilities"]["drop"], ["ALL"])
 
 
 unittest.main(argv=sys.argv[:1])

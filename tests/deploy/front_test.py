@@ -13,106 +13,33 @@ import ssl
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 MOTIONDBD, MOTIONDB = sys.argv[1:3]
 HERE = os.path.dirname(os.path.abspath(__file__))
-FRONT = os.path.join(HERE, "../../deploy/nginx/motiondb.conf")
 SKIPPED = 77
 TOKEN = "a-token-of-this-test-alone-0123456789abcdef"
-
-FRAME = """\
-daemon off;
-pid {folder}/nginx.pid;
-error_log {folder}/error.log warn;
-worker_processes 1;
-events {{ worker_connections 256; }}
-http {{
-  access_log {folder}/access.log;
-  client_body_temp_path {folder}/body;
-  proxy_temp_path {folder}/proxy;
-  fastcgi_temp_path {folder}/fastcgi;
-  uwsgi_temp_path {folder}/uwsgi;
-  scgi_temp_path {folder}/scgi;
-  include {folder}/motiondb.conf;
-}}
-"""
+sys.path.append(os.path.join(HERE, "../e2e"))
+from nginx_proxy import FRONT, Nginx, WithProcesses, free_port
 
 
-def free_port():
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
-
-
-def replace(text, old, new):
-    assert old in text, f"{FRONT} has no {old}"
-    return text.replace(old, new)
-
-
-class WithNginx(unittest.TestCase):
+class WithNginx(WithProcesses):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp()
         cls.addClassCleanup(shutil.rmtree, cls.folder)
-        os.chmod(cls.folder, 0o755)
-        cls.server = cls.start_server()
-        cls.front_port = free_port()
-        cls.start_nginx()
+        cls.nginx = Nginx(cls.folder, [cls.start_server()])
+        cls.addClassCleanup(cls.nginx.stop)
 
     @classmethod
     def path(cls, name):
         return os.path.join(cls.folder, name)
 
     @classmethod
-    def start(cls, *command, **options):
-        process = subprocess.Popen(command, **options)
-
-        def end():
-            process.terminate()
-            process.wait(timeout=60)
-            if process.stdout:
-                process.stdout.close()
-        cls.addClassCleanup(end)
-        return process
-
-    @classmethod
-    def start_nginx(cls):
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2",
-                        "-subj", "/CN=motion.example.org",
-                        "-addext", "subjectAltName=DNS:motion.example.org",
-                        "-keyout", cls.path("motiondb.key"), "-out", cls.path("motiondb.crt")],
-                       check=True, capture_output=True)
-        with open(FRONT, encoding="utf-8") as file:
-            text = file.read()
-        # The file with the ports and the certificate of this test.
-        text = replace(text, "server 127.0.0.1:50051;", f"server {cls.server};")
-        text = replace(text, "listen 443 ssl http2;",
-                       f"listen 127.0.0.1:{cls.front_port} ssl http2;")
-        text = replace(text, "/etc/nginx/tls/motiondb.", cls.path("motiondb."))
-        with open(cls.path("motiondb.conf"), "w", encoding="utf-8") as file:
-            file.write(text)
-        with open(cls.path("nginx.conf"), "w", encoding="utf-8") as file:
-            file.write(FRAME.format(folder=cls.folder))
-        command = [shutil.which("nginx"), "-p", cls.folder, "-e", cls.path("error.log"),
-                   "-c", cls.path("nginx.conf")]
-        subprocess.run([*command, "-t", "-q"], check=True)
-        cls.start(*command)
-        for _ in range(600):
-            try:
-                socket.create_connection(("127.0.0.1", cls.front_port), timeout=1).close()
-                return
-            except OSError:
-                time.sleep(0.1)
-        raise AssertionError("nginx does not listen")
-
-    @classmethod
     def run_motiondb(cls, *arguments, token=TOKEN):
-        return subprocess.run(
-            [MOTIONDB, "--server", f"127.0.0.1:{cls.front_port}", "--tls-ca", cls.path("motiondb.crt"),
-             "--tls-server-name", "motion.example.org", "--json", *arguments],
-            capture_output=True, text=True, timeout=120, env={**os.environ, "MOTIONDB_TOKEN": token})
+        return subprocess.run([MOTIONDB, *cls.nginx.options, "--json", *arguments],
+                              capture_output=True, text=True, timeout=120,
+                              env={**os.environ, "MOTIONDB_TOKEN": token})
 
 
 class Front(WithNginx):
@@ -185,7 +112,7 @@ class Front(WithNginx):
     def test_tls_and_http2(self):
         context = ssl.create_default_context(cafile=self.path("motiondb.crt"))
         context.set_alpn_protocols(["h2"])
-        with socket.create_connection(("127.0.0.1", self.front_port)) as plain, \
+        with socket.create_connection(("127.0.0.1", self.nginx.port)) as plain, \
                 context.wrap_socket(plain, server_hostname="motion.example.org") as secured:
             self.assertEqual(secured.selected_alpn_protocol(), "h2")
             self.assertIn(secured.version(), ("TLSv1.2", "TLSv1.3"))
@@ -196,8 +123,8 @@ class Front(WithNginx):
     def test_other_paths_are_unimplemented(self):
         result = subprocess.run(
             ["curl", "-s", "-D-", "--http2", "--cacert", self.path("motiondb.crt"), "--resolve",
-             f"motion.example.org:{self.front_port}:127.0.0.1",
-             f"https://motion.example.org:{self.front_port}/other"],
+             f"motion.example.org:{self.nginx.port}:127.0.0.1",
+             f"https://motion.example.org:{self.nginx.port}/other"],
             capture_output=True, text=True, check=True)
         self.assertIn("grpc-status: 12", result.stdout)
 

@@ -231,7 +231,7 @@ class NamesTest(unittest.TestCase):
         words = set()
         for folder in SOURCES:
             for path in glob.glob(f"{ROOT}/{folder}/**/*.*", recursive=True):
-                if path.endswith((".h", ".cc", ".proto", ".py")):
+                if path.endswith((".h", ".cc", ".proto", ".py", ".yml")):
                     with open(path, encoding="utf-8") as file:
                         words.update(re.findall(r"\w+", file.read()))
         for page in PAGES:

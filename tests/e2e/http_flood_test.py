@@ -4,6 +4,7 @@
     http_flood_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
+import gzip
 import http.client
 import multiprocessing
 import os
@@ -20,30 +21,51 @@ MIB = 1 << 20
 ATTACKER, PROBE = "127.0.0.2", "127.0.0.3"
 SECONDS = 3.0
 MAX_ANSWER_SECONDS = 0.25 if programs.SLOWNESS == 1 else 5
-GET = b"GET /metrics HTTP/1.1\r\nHost: test\r\n\r\n"
+PAGE = b"GET /metrics HTTP/1.1\r\nHost: test\r\n\r\n"
+
+
+def call(body, length=None, encoding="identity"):
+    """A call of the HTTP API."""
+    return (f"POST /motiondb.v1.DatabaseService/ListDatabases HTTP/1.1\r\nHost: test\r\n"
+            f"Content-Type: application/json\r\nContent-Encoding: {encoding}\r\n"
+            f"Content-Length: {len(body) if length is None else length}\r\n\r\n").encode() + body
+
+
+CALL = call(b"{}")
+DEEP = call(b'{"a":' * 100_000)
+BOMB = call(gzip.compress(b'{"page_token":"' + bytes(64 * MIB) + b'"}'), encoding="gzip")
 
 
 def connect(port):
     return socket.create_connection(("127.0.0.1", port), timeout=5, source_address=(ATTACKER, 0))
 
 
-def slow_headers(port):
+def trickle(port, begin, more):
     """Keeps up to 100 connections open and sends a few bytes at a time on each."""
     held = []
     while True:
         if len(held) < 100:
             held.append(connect(port))
-            held[-1].sendall(b"GET /readyz HTTP/1.1\r\n")
+            held[-1].sendall(begin)
         for connection in held[:]:
             try:
-                connection.sendall(b"X: y\r\n")
+                connection.sendall(more)
             except OSError:
                 connection.close()
                 held.remove(connection)
         time.sleep(0.01)
 
 
-def large_headers(port):
+def slow_headers(port, _request):
+    trickle(port, b"GET /readyz HTTP/1.1\r\n", b"X: y\r\n")
+
+
+def slow_bodies(port, _request):
+    """Announces bodies of 8 MiB."""
+    trickle(port, call(b'{"page_token":"', 8 * MIB), b"xxxx")
+
+
+def large_headers(port, _request):
     while True:
         with connect(port) as connection:
             connection.sendall(b"GET /readyz HTTP/1.1\r\n")
@@ -51,7 +73,7 @@ def large_headers(port):
                 connection.sendall(b"X: " + b"x" * 1000 + b"\r\n")
 
 
-def many_connections(port):
+def many_connections(port, _request):
     held = []
     while True:
         held.append(connect(port))
@@ -59,36 +81,36 @@ def many_connections(port):
             held.pop(0).close()
 
 
-def pipelined(port):
+def pipelined(port, request):
     """Sends requests without end and never reads the answers."""
     while True:
         with connect(port) as connection:
             while True:
-                connection.sendall(50 * GET)
+                connection.sendall(50 * request)
 
 
-def fast(port):
+def fast(port, request):
     """Sends requests and reads answers as fast as possible."""
     while True:
         with connect(port) as connection:
             while True:
-                connection.sendall(GET)
+                connection.sendall(request)
                 if not connection.recv(1 << 20):
                     break
 
 
-def many_readers(port):
+def many_readers(port, request):
     """Keeps many connections that always wait for a page."""
     waiting = selectors.DefaultSelector()
     while True:
         while len(waiting.get_map()) < 64:
             connection = connect(port)
-            connection.sendall(GET)
+            connection.sendall(request)
             waiting.register(connection, selectors.EVENT_READ)
         for key, _ in waiting.select():
             try:
                 if key.fileobj.recv(1 << 20):
-                    key.fileobj.sendall(GET)
+                    key.fileobj.sendall(request)
                     continue
             except OSError:
                 pass
@@ -96,11 +118,20 @@ def many_readers(port):
             key.fileobj.close()
 
 
-def attack(kind, port):
+def bombs(port, _request):
+    """Sends bodies that are deep, or 1,000 times larger after gzip."""
+    while True:
+        for body in (DEEP, BOMB):
+            with connect(port) as connection:
+                connection.sendall(body)
+                connection.recv(1 << 20)
+
+
+def attack(kind, port, request):
     os.nice(10)  # the attackers must not take the server's processor time
     while True:
         try:
-            kind(port)
+            kind(port, request)
         except OSError:
             time.sleep(0.001)
 
@@ -129,21 +160,23 @@ def list_databases(port, _number):
 
 class HttpFlood(unittest.TestCase):
     def test_probes_are_answered_while_eight_clients_flood_the_port(self):
-        self.check("--http-listen", lambda server: server.http, get_page)
+        self.check("--http-listen", lambda server: server.http, get_page, PAGE,
+                   [many_connections, many_readers])
 
     def test_calls_are_answered_while_eight_clients_flood_the_api(self):
-        self.check("--web-listen", lambda server: server.web, list_databases)
+        self.check("--web-listen", lambda server: server.web, list_databases, CALL,
+                   [slow_bodies, bombs])
 
-    def check(self, setting, address, probe):
+    def check(self, setting, address, probe, request, further_kinds):
         with tempfile.TemporaryDirectory() as folder:
             server = Server(folder + "/motion.db", setting, "127.0.0.1:0")
             self.addCleanup(lambda: server.process.poll() is not None or server.stop())
             port = int(address(server).rsplit(":", 1)[1])
             before = resident(server.process.pid)
-            kinds = [slow_headers, large_headers, many_connections, many_connections, pipelined,
-                     many_readers, many_readers, fast]
-            attackers = [multiprocessing.Process(target=attack, args=(kind, port), daemon=True)
-                         for kind in kinds]
+            kinds = [slow_headers, large_headers, many_connections, pipelined, many_readers, fast,
+                     *further_kinds]
+            attackers = [multiprocessing.Process(target=attack, args=(kind, port, request),
+                                                 daemon=True) for kind in kinds]
             for attacker in attackers:
                 attacker.start()
             try:

@@ -25,6 +25,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 DASHBOARD = os.path.join(ROOT, "deploy/grafana/motiondb.json")
 RULES = os.path.join(ROOT, "deploy/prometheus/motiondb.rules.yml")
 SCRAPE = os.path.join(ROOT, "deploy/prometheus/prometheus.yml")
+SEVERAL = os.path.join(ROOT, "deploy/prometheus/several.yml")
 OLD_STORES = os.path.join(ROOT, "tests/storage/old_stores")
 PAGE = os.path.join(ROOT, "docs/metrics.md")
 
@@ -341,6 +342,7 @@ class Observability(unittest.TestCase):
         self.make_database()
         _, text = get(self.server.http, "/metrics")
         for arguments, given in ((["check", "metrics"], text), (["check", "config", SCRAPE], None),
+                                 (["check", "config", SEVERAL], None),
                                  (["check", "rules", RULES], None),
                                  (["test", "rules", RULES.replace(".yml", ".test.yml")], None)):
             checked = subprocess.run([promtool, *arguments], input=given, capture_output=True,

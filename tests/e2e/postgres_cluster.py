@@ -12,9 +12,13 @@ import unittest
 
 import programs
 from figure import write_bvh
-from programs import Server
+from programs import SLOWNESS, Server
 
 PASSWORD = "not-a-secret-of-anybody"
+POOLER = "/usr/sbin/pgbouncer"
+POOLER_PORT = 6432
+# A change on one server is on all after the next look (1 s), with some time to load the model.
+FOLLOWED = 2.5 * SLOWNESS
 
 
 def postgres_folder():
@@ -60,9 +64,12 @@ class Cluster:
                                 stderr=subprocess.DEVNULL)
 
     def start(self, port=5432):
-        self.process = self.run("postgres", "-D", self.data, "-k", self.folder.name,
-                                "-c", "listen_addresses=", "-c", "fsync=off", *self.settings)
+        self.process = None
         for _ in range(600):
+            # After a SIGKILL it refuses to start until the processes of its predecessor have ended.
+            if self.process is None or self.process.poll() is not None:
+                self.process = self.run("postgres", "-D", self.data, "-k", self.folder.name,
+                                        "-c", "listen_addresses=", "-c", "fsync=off", *self.settings)
             if subprocess.run([os.path.join(postgres_folder(), "pg_isready"), "-h", self.folder.name,
                                "-p", str(port)],
                               stdout=subprocess.DEVNULL).returncode == 0:
@@ -70,12 +77,41 @@ class Cluster:
             time.sleep(0.1)
         raise AssertionError("PostgreSQL does not start")
 
-    def kill(self):
-        self.process.send_signal(signal.SIGQUIT)
+    def kill(self, with_signal=signal.SIGQUIT):
+        self.process.send_signal(with_signal)
         self.process.wait()
+
+    def signal_all(self, signal_number):
+        """Sends SIGSTOP, for a PostgreSQL that does not respond, or SIGCONT to all its processes."""
+        process = self.process.pid
+        self.process.send_signal(signal_number)
+        with open(f"/proc/{process}/task/{process}/children", encoding="ascii") as children:
+            for child in children.read().split():
+                os.kill(int(child), signal_number)
 
     def url(self, database="postgres"):
         return f"postgresql://motiondb:{PASSWORD}@/{database}?host={self.folder.name}"
+
+    def pool(self):
+        """Starts pgbouncer in transaction mode. Returns its process; None if it is missing."""
+        if not os.path.exists(POOLER):
+            return None
+        settings = os.path.join(self.folder.name, "pgbouncer.ini")
+        with open(settings, "w", encoding="ascii") as file:
+            file.write(f"[databases]\n* = user=motiondb password={PASSWORD} "
+                       f"host={self.folder.name}\n[pgbouncer]\npool_mode = transaction\n"
+                       f"auth_type = any\nlisten_port = {POOLER_PORT}\n"
+                       f"unix_socket_dir = {self.folder.name}\n")
+        os.chmod(settings, 0o644)
+        pooler = subprocess.Popen([POOLER, settings], stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.DEVNULL,
+                                  user="postgres" if os.geteuid() == 0 else None)
+        socket = os.path.join(self.folder.name, f".s.PGSQL.{POOLER_PORT}")
+        programs.wait_for(lambda: os.path.exists(socket), 60, "pgbouncer listens")
+        return pooler
+
+    def pooled_url(self, database):
+        return f"{self.url(database)}&port={POOLER_PORT}&pooled=1"
 
     def remove(self):
         self.kill()

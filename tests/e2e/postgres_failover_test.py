@@ -5,11 +5,12 @@
 """
 
 import signal
+import subprocess
 import threading
 import time
 
 from postgres_cluster import PASSWORD, Cluster, WithCluster, main
-from programs import SLOWNESS
+from programs import MOTIONDBD, SLOWNESS
 
 
 class Copy(Cluster):
@@ -60,8 +61,7 @@ class Failover(WithCluster):
         self.cluster.sql("ALTER SYSTEM SET synchronous_standby_names = 'copy'")
         self.cluster.sql("SELECT pg_reload_conf()")
         folders = f"{self.cluster.folder.name},{standby.folder.name}"
-        server = self.serve(store=f"postgresql://motiondb:{PASSWORD}@/postgres?host={folders}"
-                                  "&target_session_attrs=read-write")
+        server = self.serve(store=f"postgresql://motiondb:{PASSWORD}@/postgres?host={folders}")
         self.fill(server)
         acknowledged, ended = [], threading.Event()
 
@@ -85,6 +85,29 @@ class Failover(WithCluster):
         stored = {clip["name"] for clip in server.ask("list", "d")}
         self.assertEqual(set(acknowledged) - stored, set())
         self.assertEqual(server.run("verify").returncode, 0)
+
+    def test_a_start_waits_for_the_promotion_of_a_standby(self):
+        self.fill(self.serve())
+        standby = self.copy(standby=True)
+        self.cluster.kill()
+        # The second gets a session, in which it cannot begin a change.
+        waiting = [subprocess.Popen([MOTIONDBD, "--store", standby.url() + attributes, "--listen",
+                                     "127.0.0.1:0", "--http-listen", "none"], text=True,
+                                    stdout=subprocess.PIPE, stderr=self.log)
+                   for attributes in ("", "&target_session_attrs=any")]
+        for server in waiting:
+            self.addCleanup(server.communicate)
+            self.addCleanup(server.kill)
+
+        def log():
+            with open(self.log.name, encoding="utf-8") as file:
+                return file.read()
+
+        self.wait_for(lambda: log().count("retrying until it can be reached") == 2)
+        standby.promote()
+        for server in waiting:
+            self.assertIn("listening", server.stdout.readline())
+        self.assertEqual(log().count("the store can be reached"), 2)
 
     def wait_for(self, condition):
         latest = time.monotonic() + 60 * SLOWNESS

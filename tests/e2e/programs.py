@@ -10,7 +10,9 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
+import urllib.request
 
 MOTIONDBD, MOTIONDB, DATA = sys.argv[1:4]
 # Factor by which the programs may be slower than a release build; tests/run.sh sets it for
@@ -69,6 +71,14 @@ class Server:
         assert len(answers) == 1, answers
         return answers[0]
 
+    def metric(self, series):
+        """The value of a series, such as 'up{job="a"}', in its metrics."""
+        with urllib.request.urlopen(self.http + "/metrics", timeout=30) as page:
+            found = [line for line in page.read().decode().splitlines()
+                     if line.startswith(series + " ")]
+        assert len(found) == 1, f"{series}: {found}"
+        return float(found[0].rsplit(" ", 1)[1])
+
 
 class WithServer(unittest.TestCase):
     def setUp(self):
@@ -99,6 +109,16 @@ class WithServer(unittest.TestCase):
             with open(self.store, "rb") as file:
                 self._filled[key] = file.read()
         self.server = Server(self.store)
+
+
+def wait_for(condition, seconds, what):
+    """Waits until condition() is true, and returns its value."""
+    latest = time.monotonic() + seconds
+    while not (value := condition()):
+        if time.monotonic() > latest:
+            raise AssertionError(f"not within {seconds} s: {what}")
+        time.sleep(0.05)
+    return value
 
 
 def needs_data():

@@ -12,23 +12,12 @@ import tempfile
 import time
 import unittest
 
+import secure_server
 from figure import write_bvh
-from postgres_cluster import Cluster, main
-from programs import MOTIONDB, SLOWNESS, Server
+from postgres_cluster import FOLLOWED, Cluster, main
+from programs import MOTIONDB, SLOWNESS, Server, wait_for
 
-# A change on one server is on all after the next look (1 s), with some time to load the model.
-FOLLOWED = 2.5 * SLOWNESS
 TAKEN_OVER = 10 * SLOWNESS
-
-
-def wait_for(condition, seconds, what):
-    """Waits until condition() is true, and returns its value."""
-    latest = time.monotonic() + seconds
-    while not (value := condition()):
-        if time.monotonic() > latest:
-            raise AssertionError(f"not within {seconds} s: {what}")
-        time.sleep(0.05)
-    return value
 
 
 class SeveralServers(unittest.TestCase):
@@ -67,13 +56,17 @@ class SeveralServers(unittest.TestCase):
     def serve(self, count, *options):
         for _ in range(count):
             log = open(self.path(f"log{len(self.servers)}"), "w", encoding="utf-8")
-            self.servers.append(Server(self.store, "--log-level", "info", *options, log=log))
+            self.servers.append(Server(self.store, "--log-level", "info", "--http-listen",
+                                       "127.0.0.1:0", *options, log=log))
             log.close()
         return self.servers
 
     def log(self, server):
         with open(self.path(f"log{self.servers.index(server)}"), encoding="utf-8") as file:
             return file.read()
+
+    def leases(self, server, outcome):
+        return server.metric(f'motiondb_build_leases_total{{database="d",outcome="{outcome}"}}')
 
     def clip(self, seed, frames=48):
         path = self.path(f"clip{seed}.bvh")
@@ -199,6 +192,9 @@ class SeveralServers(unittest.TestCase):
                  "it serves the model of the other server")
         self.assertEqual(self.models(), models)
         self.assertEqual(self.state(builder, operation), "SUCCEEDED")
+        self.assertEqual((self.leases(builder, "lost"), self.leases(other, "lost")), (1, 0))
+        self.assertGreaterEqual(self.leases(other, "acquired"), 1)
+        self.assertGreaterEqual(self.leases(other, "refused"), 1)
 
     def test_a_build_is_cancelled_by_another_server(self):
         servers = self.serve(2)
@@ -211,28 +207,107 @@ class SeveralServers(unittest.TestCase):
         self.assertEqual(self.models(), models)
         self.assertEqual(self.state(builder, operation), "CANCELLED")
 
-    def test_servers_survive_a_stop_of_postgresql(self):
-        servers = self.serve(2)
-        a, b = servers
+    def test_servers_share_the_work_and_the_models(self):
+        a, b = self.serve(2, "--work", "serve", "--model-memory", "1")
+        builder = self.serve(1, "--work", "build")[2]
+        databases = ["d", "e"]
+        for seed, name in enumerate(databases):
+            a.ask_one("create", name, "--marker-set", "source", "--min-frames", "4")
+            # More than 1 MiB, so that only one model fits.
+            a.ask("ingest", name, self.clip(seed, 6000), "--label", "moves")
+        answers = [builder.ask("recognize", name, self.clip(7, 40)) for name in databases]
+        for server in (b, a, b):
+            for name, answer in zip(databases, answers):
+                self.assertEqual(server.ask("recognize", name, self.clip(7, 40)), answer)
+                self.assertEqual(server.ask_one("describe", name)["clip_count"], 1)
+        for server in (a, b):
+            self.assertNotIn("is current", self.log(server))
+        self.assertIn("database 'd': model 1 is current", self.log(builder))
+        self.assertEqual(self.log(b).count("database 'd': model 1 loaded"), 2)
+        self.assertIn("database 'd': model 1 evicted", self.log(b))
+        self.assertIn("database 'd': model 1 evicted", self.log(builder))
+
+    def observe(self, server, frames):
+        """Replays a motion in a new stream of the server, five times slower than it was."""
+        return subprocess.Popen(
+            [MOTIONDB, "--server", server.address, "observe", "d", self.clip(7, frames), "--realtime",
+             "--rate-multiplier", "0.2"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def watch_stream(self, server):
+        """Watches the only stream, as any server lists it."""
+        stream, = wait_for(lambda: server.ask("streams", "list", "d"), 10 * SLOWNESS,
+                           "the stream is listed")
+        return stream, subprocess.Popen(
+            [MOTIONDB, "--server", server.address, "--json", "streams", "watch", "d",
+             stream["name"].rsplit("/", 1)[1]], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True)
+
+    def test_a_stream_is_listed_and_watched_on_any_server(self):
+        secret = "a-token-of-the-administrator"
+        with open(os.open(self.path("token"), os.O_CREAT | os.O_WRONLY, 0o600), "w",
+                  encoding="ascii") as file:
+            file.write(secret + "\n")
+        os.environ["MOTIONDB_TOKEN"] = secret
+        self.addCleanup(os.environ.pop, "MOTIONDB_TOKEN")
+        a, b = self.serve(2, "--authentication", "token", "--admin-token-file", self.path("token"))
         a.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
         a.ask("ingest", "d", *(self.clip(seed) for seed in range(3)), "--label", "moves")
-        query = ["recognize", "d", self.clip(7, 40)]
-        wait_for(lambda: b.run(*query).returncode == 0, FOLLOWED, "both servers answer")
-        answers = [server.ask(*query) for server in servers]
-        self.cluster.kill()
-        try:
-            for _ in range(3):
-                self.assertEqual([server.ask(*query) for server in servers], answers)
-                refused = b.run("ingest", "d", self.clip(9))
-                self.assertNotEqual(refused.returncode, 0)
-                self.assertIn("the store postgresql:", refused.stderr)
-                time.sleep(1)
-        finally:
-            self.cluster.start()
-        wait_for(lambda: b.run("ingest", "d", self.clip(9)).returncode == 0, 15 * SLOWNESS,
-                 "clips are stored again")
-        wait_for(lambda: a.ask_one("describe", "d")["clip_count"] == 4, 15 * SLOWNESS,
-                 "the clip is in the model of both")
+        observing = self.observe(a, 60)
+        stream, watching = self.watch_stream(b)
+        self.assertEqual(a.ask("streams", "list", "d")[0]["name"], stream["name"])
+        first, *answers = [json.loads(line) for line in watching.stdout]
+        self.assertEqual(first["stream"]["name"], stream["name"])
+        self.assertEqual(int(answers[-1]["answer"]["frame"]), 59)
+        self.assertEqual((watching.wait(), observing.wait()), (0, 0))
+        missing = b.run("streams", "watch", "d", "00000000-1")
+        self.assertIn("no running stream", missing.stderr)
+
+        # Its server is killed: the watch ends with an error.
+        observing = self.observe(a, 600)
+        _, watching = self.watch_stream(b)
+        watching.stdout.readline()
+        a.stop(signal.SIGKILL)
+        self.assertNotEqual(watching.wait(timeout=60), 0)
+        self.assertNotEqual(observing.wait(timeout=60), 0)
+        self.assertEqual(b.ask("streams", "list", "d"), [])
+
+    def test_streams_are_found_with_certificates_of_another_name(self):
+        authority = secure_server.Authority(self.folder.name, "authority")
+        certificate, key = authority.issue("server", "motiondb", "DNS:motiondb")
+        for name, value in {"CA": authority.certificate, "SERVER_NAME": "motiondb"}.items():
+            os.environ["MOTIONDB_TLS_" + name] = value
+            self.addCleanup(os.environ.pop, "MOTIONDB_TLS_" + name)
+        tls = ("--tls-certificate", certificate, "--tls-key", key, "--tls-peer-ca",
+               authority.certificate)
+        a, b = self.serve(2, *tls, "--tls-peer-name", "motiondb")
+        a.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
+        a.ask("ingest", "d", *(self.clip(seed) for seed in range(3)), "--label", "moves")
+        observing = self.observe(a, 600)
+        stream, watching = self.watch_stream(b)
+        first = json.loads(watching.stdout.readline())
+        self.assertEqual(first["stream"]["name"], stream["name"])
+        for name, options in {"another": ("--tls-peer-name", "another"), "127.0.0.1": ()}.items():
+            c = self.serve(1, *tls, *options)[-1]
+            self.assertEqual(c.ask("streams", "list", "d"), [])
+            refused = c.run("streams", "watch", "d", stream["name"].rsplit("/", 1)[1])
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn(f"Peer name {name} is not in peer certificate", refused.stderr)
+        for process in (watching, observing):
+            process.kill()
+            process.communicate()
+
+        # A new authority and certificate, while b runs: it reaches a server that has them, too.
+        new = secure_server.Authority(self.folder.name, "new-authority")
+        new.issue("server", "motiondb", "DNS:motiondb")
+        os.rename(new.certificate, authority.certificate)
+        a.stop(signal.SIGTERM)
+        a = self.serve(1, *tls, "--tls-peer-name", "motiondb")[-1]
+        observing = self.observe(a, 600)
+        stream, watching = self.watch_stream(b)
+        self.assertEqual(json.loads(watching.stdout.readline())["stream"]["name"], stream["name"])
+        for process in (watching, observing):
+            process.kill()
+            process.communicate()
 
 
 if __name__ == "__main__":

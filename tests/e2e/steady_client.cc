@@ -82,7 +82,7 @@ class Latencies {
 };
 
 std::shared_ptr<grpc::Channel> NewChannel(const client::ClientOptions& options) {
-  const auto credentials = client::CredentialsFor(options);
+  const auto credentials = client::CredentialsFor(options, {options.server});
   if (!credentials.ok()) throw std::runtime_error(credentials.status().ToString());
   grpc::ChannelArguments arguments;
   // A connection of its own, not the shared one of the address.

@@ -1,4 +1,4 @@
-#include "import/gunzip.h"
+#include "core/format/gunzip.h"
 
 #include <catch2/catch.hpp>
 #include <random>
@@ -15,7 +15,7 @@ using Catch::Contains;
 constexpr std::size_t kLimit = 10'000'000;
 
 absl::StatusOr<std::string> Unzipped(const std::string& bytes, std::size_t limit = kLimit) {
-  return importer::Gunzip({.name = "walk.bvh.gz", .bytes = bytes}, limit);
+  return core::Gunzip({.name = "walk.bvh.gz", .bytes = bytes}, limit);
 }
 
 std::string Noise(std::size_t size) {
@@ -90,6 +90,18 @@ TEST_CASE("Gunzip: the limit counts decompressed bytes of all members", "[import
   std::string bomb;
   for (int i = 0; i < 1000; ++i) bomb += member;
   CHECK_THAT(ErrorMessageOf(Unzipped(bomb)), Contains("more than 10000000 decompressed bytes"));
+}
+
+TEST_CASE("PlainBytes: what is decompressed before an error counts", "[import]") {
+  constexpr std::size_t kLimit = 1 << 20;
+  const std::string content(500'000, 'x');
+  const std::string bytes = Deflated(content, true);
+  CHECK(core::PlainBytes(content, kLimit) == content.size());
+  CHECK(core::PlainBytes(bytes, kLimit) == content.size());
+  CHECK(core::PlainBytes(bytes + "surplus", kLimit) == content.size());
+  CHECK(core::PlainBytes(bytes.substr(0, bytes.size() - 1), kLimit) >= content.size());
+  CHECK(core::PlainBytes(bytes, 100'000) > 100'000);
+  CHECK(core::PlainBytes("\x1f\x8b", kLimit) == 2);
 }
 
 TEST_CASE("Gunzip: gzip in gzip is decompressed once", "[import]") {

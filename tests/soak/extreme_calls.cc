@@ -209,7 +209,7 @@ ExtremeCall Observe(std::mt19937& random, const ExtremeSubject& subject, std::si
   for (int h = 0; h < horizons; ++h) start.add_horizon_seconds(Magnitude(random, 1e-3, 4000));
   const auto size = static_cast<std::int64_t>(start.ByteSizeLong() + frames.positions().size());
   return {"Observe", size, [start, frames](const client::Client& client) {
-            client::ObserveStream stream = client.Observe(start, kCallTimeout);
+            client::ObserveStream stream = client.Observe(start, {.timeout = kCallTimeout.timeout});
             const auto* const data = reinterpret_cast<const float*>(frames.positions().data());
             stream.Send(0, frames.frame_count(), {data, frames.positions().size() / sizeof(float)});
             stream.EndOfFrames();

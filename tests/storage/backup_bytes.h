@@ -7,6 +7,8 @@
 #include "storage/motion_store.h"
 #include "storage/sqlite/sqlite_backup.h"
 #include "tests/storage/require_ok.h"
+#include "tests/storage/store_dump.h"
+#include "tests/storage/store_file.h"
 
 namespace motiondb::tests {
 
@@ -58,6 +60,19 @@ inline absl::Status Restore(storage::MotionStore& store, std::string_view bytes,
   }
   const absl::Status checked = (*restore)->Check({});
   return checked.ok() ? (*restore)->Finish({}) : checked;
+}
+
+// Restores a backup of a store in which the clips of database "d" are added in pairs, first N-x,
+// then N-y, and removed in reverse: a snapshot that contains N-y must contain N-x.
+inline void RequireWholePairs(const std::string& backup) {
+  const StoreFile file;
+  const auto target = file.Open();
+  REQUIRE_OK(Restore(*target, backup));
+  REQUIRE(Findings(*target).empty());
+  for (const auto& found : Require(target->ListClips("d", {.limit = 100'000}))) {
+    if (!found.id.ends_with("-y")) continue;
+    REQUIRE_OK(target->GetClip("d", found.id.substr(0, found.id.size() - 1) + "x"));
+  }
 }
 
 }  // namespace motiondb::tests

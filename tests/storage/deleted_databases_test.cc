@@ -1,5 +1,7 @@
 // A deleted database is invisible immediately; its content is freed in pieces, between other
 // writes.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
@@ -29,7 +31,7 @@ constexpr char kChunkBytes[] = "SELECT ifnull(sum(length(chunk)), 0) FROM clip_c
 
 // Creates a database with every kind of content: models, an extension, a deleted clip, an
 // operation.
-void Fill(storage::MotionStore& store, const std::string& database) {
+void Fill(storage::MotionStore& store, const std::string& database, const std::string& operation) {
   const auto sample = [&](const std::string& id, unsigned seed) {
     return SampleClip(database, id, seed);
   };
@@ -50,7 +52,7 @@ void Fill(storage::MotionStore& store, const std::string& database) {
   title.clip = "walk";
   title.title = "Title";
   REQUIRE_OK(store.annotations().Edit(database, std::vector<storage::Change>{title}, "me"));
-  REQUIRE_OK(store.PutOperation(SampleOperation(database, database + "-op")));
+  REQUIRE_OK(store.PutOperation(SampleOperation(database, operation)));
 }
 
 }  // namespace
@@ -59,10 +61,10 @@ TEST_CASE("Deleted databases: are removed completely; other databases stay",
           "[storage][deletion]") {
   const StoreFile file;
   const auto store = file.Open();
-  Fill(*store, "kept");
+  Fill(*store, "kept", "kept-op");
   const std::string before = file.Sql(kRows);
   const std::string dump = Dump(*store);
-  Fill(*store, "d");
+  Fill(*store, "d", "d-op");
   REQUIRE(file.Sql(kRows) != before);
   REQUIRE_OK(store->DeleteDatabase("d"));
   REQUIRE(file.Sql(kRows) != before);
@@ -86,10 +88,16 @@ TEST_CASE("Deleted databases: the name can be reused immediately, repeatedly",
   const StoreFile file;
   const auto store = file.Open();
   for (int round = 0; round < 3; ++round) {
-    Fill(*store, "d");
+    const std::string operation = fmt::format("op-{}", round);
+    Fill(*store, "d", operation);
     REQUIRE_OK(store->DeleteDatabase("d"));
   }
   REQUIRE(file.Sql("SELECT count(*) FROM database") == "3");
+  // The operations of the former databases do not become those of the new one.
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_ERROR(store->PutOperation(SampleOperation("d", "op-0")), StatusCode::kNotFound, "op-0");
+  REQUIRE(Require(store->ListOperations("d", "", 10)).empty());
+  REQUIRE_OK(store->DeleteDatabase("d"));
   REQUIRE_OK(store->PurgeDeletedDatabases({}));
   REQUIRE(file.Sql(kRows) == "0");
 }
@@ -138,12 +146,12 @@ TEST_CASE("Deleted databases: do not prevent a restore and are not corruption in
           "[storage][deletion]") {
   const StoreFile from;
   const auto source = from.Open();
-  Fill(*source, "d");
+  Fill(*source, "d", "d-op");
   REQUIRE_OK(source->DeleteDatabase("d"));
-  Fill(*source, "kept");
+  Fill(*source, "kept", "kept-op");
   const StoreFile to;
   const auto target = to.Open();
-  Fill(*target, "d");
+  Fill(*target, "d", "d-op");
   REQUIRE_OK(target->DeleteDatabase("d"));
   REQUIRE_OK(Restore(*target, Backup(*source)));
   REQUIRE_OK(target->PurgeDeletedDatabases({}));

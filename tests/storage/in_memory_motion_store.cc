@@ -334,7 +334,7 @@ absl::Status InMemoryMotionStore::PutOperation(const OperationRecord& record,
   const auto stored = std::ranges::find(operations_, record.id, &OperationRecord::id);
   if (stored == operations_.end()) {
     operations_.push_back(record);
-  } else if (stored->done() && stored->state != record.state) {
+  } else if (stored->done()) {
     return absl::AbortedError("the operation has already ended");
   } else {
     *stored = record;

@@ -122,7 +122,9 @@ void TestOperations(StoreUnderTest& store) {
   REQUIRE_ERROR(store->PutOperation(late), StatusCode::kAborted, "ended");
   late.state = storage::OperationState::kCancelled;
   REQUIRE_ERROR(store->PutOperation(late), StatusCode::kAborted, "ended");
-  REQUIRE_OK(store->PutOperation(changed));
+  late = changed;
+  late.model_version = 5;
+  REQUIRE_ERROR(store->PutOperation(late), StatusCode::kAborted, "ended");
   REQUIRE(Same(Require(store->GetOperation("z")), changed));
 
   REQUIRE(ids("", "", 10) == "kazm");

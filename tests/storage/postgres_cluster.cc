@@ -139,6 +139,14 @@ void PostgresCluster::Kill() {
   process_ = 0;
 }
 
+void PostgresCluster::SignalAll(int signal) const {
+  const std::string process = std::to_string(process_);
+  // First the one that starts others.
+  kill(process_, signal);
+  std::istringstream children(TextOf(fs::path("/proc") / process / "task" / process / "children"));
+  for (pid_t child = 0; children >> child;) kill(child, signal);
+}
+
 std::string PostgresCluster::PooledUrl(const std::string& database) {
   constexpr char kPooler[] = "/usr/sbin/pgbouncer";
   const std::string parameters = "&port=6432&pooled=1";

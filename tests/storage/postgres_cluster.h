@@ -3,6 +3,7 @@
 // refuses to run as root.
 #pragma once
 
+#include <signal.h>
 #include <sys/types.h>
 
 #include <filesystem>
@@ -32,12 +33,17 @@ class PostgresCluster {
   // through it; empty, with a warning of the test, if pgbouncer is not installed.
   std::string PooledUrl(const std::string& database);
 
-  // Ends PostgreSQL at once, as in a crash. Start begins it again, with the same data.
+  // Ends PostgreSQL immediately, as in a crash. Start begins it again, with the same data.
   void Kill();
   void Start();
 
+  // Stops all its processes (SIGSTOP), so that it does not respond, until Resume.
+  void Suspend() const { SignalAll(SIGSTOP); }
+  void Resume() const { SignalAll(SIGCONT); }
+
  private:
   explicit PostgresCluster(std::filesystem::path programs);
+  void SignalAll(int signal) const;
   // Runs a program (its name, or an absolute path) as the cluster's user; returns its process id.
   pid_t Run(const std::string& program, const std::string& arguments) const;
 

@@ -149,6 +149,62 @@ TEST_CASE("PostgresConnection: an error rolls the transaction back, and says wha
                 StatusCode::kUnavailable, "read-only transaction");
 }
 
+TEST_CASE("PostgresConnection: statements in the queue run in order, and fail with a later one",
+          "[storage][postgres]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr) return;
+  const PostgresDatabase database(*cluster);
+  const auto connection = Connect(database.Url(GENERATE("", "&pooled=1")));
+  REQUIRE_OK(Change(*connection, "CREATE TABLE t (i bigint PRIMARY KEY, b bytea)"));
+  const auto in_transaction = [&](const auto& work) {
+    return storage::InTransaction(*connection, Transaction::Kind::kWrite, work);
+  };
+  const auto insert = [](storage::Connection& it, int first, int end) -> absl::Status {
+    for (int i = first; i < end; ++i) {
+      const std::vector<std::byte> blob(static_cast<std::size_t>(i) * 100);  // gone before it runs
+      const std::span<const std::byte> bytes = blob;
+      MOTIONDB_RETURN_IF_ERROR(it.Query("INSERT INTO t VALUES (?, ?)", i, bytes).RunLater());
+    }
+    return absl::OkStatus();
+  };
+  // More than the queue takes. The next statement sees them.
+  std::int64_t seen = 0;
+  REQUIRE_OK(in_transaction([&](storage::Connection& it) -> absl::Status {
+    MOTIONDB_RETURN_IF_ERROR(insert(it, 0, 600));
+    MOTIONDB_ASSIGN_OR_RETURN(seen, it.QueryInteger("SELECT count(*) FROM t"));
+    return insert(it, 600, 601);
+  }));
+  CHECK(seen == 600);
+  CHECK(Require(Ask(*connection, "SELECT sum(length(b))::bigint FROM t")) == 100 * 600 * 601 / 2);
+  // In the commit.
+  REQUIRE_ERROR(in_transaction([&](storage::Connection& it) -> absl::Status {
+                  MOTIONDB_RETURN_IF_ERROR(insert(it, 700, 710));
+                  REQUIRE_OK(insert(it, 7, 8));
+                  return insert(it, 710, 720);
+                }),
+                StatusCode::kAlreadyExists, "unique constraint");
+  // In the next statement, which does not run.
+  REQUIRE_ERROR(in_transaction([&](storage::Connection& it) -> absl::Status {
+                  REQUIRE_OK(insert(it, 7, 8));
+                  return it.Query("SELECT 1 / (i - 7) FROM t").Run();
+                }),
+                StatusCode::kAlreadyExists, "unique constraint");
+  // Work that fails itself.
+  REQUIRE_ERROR(in_transaction([&](storage::Connection& it) -> absl::Status {
+                  MOTIONDB_RETURN_IF_ERROR(insert(it, 700, 710));
+                  return absl::AbortedError("the work failed");
+                }),
+                StatusCode::kAborted, "the work failed");
+  CHECK(Require(Ask(*connection, "SELECT count(*) FROM t")) == 601);
+  // The session ends while the queue is not empty.
+  RequireUnreachable(in_transaction([&](storage::Connection& it) -> absl::Status {
+    MOTIONDB_RETURN_IF_ERROR(insert(it, 700, 710));
+    database.Sql("SELECT pg_terminate_backend(" + std::to_string(connection->backend_pid()) + ")");
+    return absl::OkStatus();
+  }));
+  CHECK(Require(Ask(*connection, "SELECT count(*) FROM t")) == 601);
+}
+
 TEST_CASE("PostgresConnection: of two transactions in a deadlock both succeed",
           "[storage][postgres][concurrency]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
@@ -204,8 +260,9 @@ TEST_CASE("PostgresConnection: a session that PostgreSQL ended is replaced",
   CHECK(Require(Ask(*connection, "SELECT 1")) == 1);
 }
 
-TEST_CASE("PostgresConnection: while PostgreSQL is gone calls fail at once, then it is found again",
-          "[storage][postgres]") {
+TEST_CASE(
+    "PostgresConnection: while PostgreSQL is gone calls fail immediately, then it is found again",
+    "[storage][postgres]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
   if (cluster == nullptr) return;
   const PostgresDatabase database(*cluster);

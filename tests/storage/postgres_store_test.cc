@@ -29,23 +29,10 @@ storage::PostgresOptions AtPutTime() {
 
 class OnPostgres final : public StoreUnderTest {
  public:
-  OnPostgres(PostgresCluster& cluster, const std::string& parameters)
+  // `url`: of the database; through pgbouncer, each transaction gets another session.
+  OnPostgres(PostgresCluster& cluster, std::string (*url)(const PostgresDatabase&))
       : database_(cluster),
-        store_(
-            Require(storage::PostgresMotionStore::Open(database_.Url(parameters), AtPutTime()))) {}
-  storage::MotionStore& Get() override { return *store_; }
-
- private:
-  PostgresDatabase database_;
-  std::unique_ptr<storage::PostgresMotionStore> store_;
-};
-
-// Through pgbouncer, which gives each transaction another session.
-class ThroughPooler final : public StoreUnderTest {
- public:
-  explicit ThroughPooler(PostgresCluster& cluster)
-      : database_(cluster),
-        store_(Require(storage::PostgresMotionStore::Open(database_.PooledUrl(), AtPutTime()))) {}
+        store_(Require(storage::PostgresMotionStore::Open(url(database_), AtPutTime()))) {}
   storage::MotionStore& Get() override { return *store_; }
 
  private:
@@ -74,21 +61,24 @@ class OnTwoServers final : public StoreUnderTest {
 TEST_CASE("PostgresMotionStore: conforms", "[storage][postgres][conformance]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
   if (cluster == nullptr) return;
-  TestMotionStore([&] { return std::make_unique<OnPostgres>(*cluster, ""); });
+  const auto url = [](const PostgresDatabase& database) { return database.Url(); };
+  TestMotionStore([&] { return std::make_unique<OnPostgres>(*cluster, url); });
 }
 
 TEST_CASE("PostgresMotionStore: conforms without prepared statements",
           "[storage][postgres][conformance]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
   if (cluster == nullptr) return;
-  TestMotionStore([&] { return std::make_unique<OnPostgres>(*cluster, "&pooled=1"); });
+  const auto url = [](const PostgresDatabase& database) { return database.Url("&pooled=1"); };
+  TestMotionStore([&] { return std::make_unique<OnPostgres>(*cluster, url); });
 }
 
 TEST_CASE("PostgresMotionStore: conforms through pgbouncer in transaction mode",
           "[storage][postgres][conformance][pooler]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
   if (cluster == nullptr || cluster->PooledUrl("postgres").empty()) return;
-  TestMotionStore([&] { return std::make_unique<ThroughPooler>(*cluster); });
+  const auto url = [](const PostgresDatabase& database) { return database.PooledUrl(); };
+  TestMotionStore([&] { return std::make_unique<OnPostgres>(*cluster, url); });
 }
 
 TEST_CASE("PostgresMotionStore: conforms if two servers take turns",
@@ -112,7 +102,7 @@ TEST_CASE("PostgresMotionStore: servers that open an empty database together mak
     }
   }
   for (const absl::Status& status : opened) REQUIRE_OK(status);
-  REQUIRE(database.Sql("SELECT count(*) || ' ' || min(version) FROM motiondb_schema") == "1 3");
+  REQUIRE(database.Sql("SELECT count(*) || ' ' || min(version) FROM motiondb_schema") == "1 4");
 }
 
 TEST_CASE("PostgresMotionStore: refuses a newer store and a database that it cannot use",
@@ -154,13 +144,13 @@ TEST_CASE("PostgresMotionStore: upgrades a store of version 1 while an old serve
   REQUIRE_OK(add("before"));
   const auto store = Require(storage::PostgresMotionStore::Open(database.Url()));
   REQUIRE(store->versions().before == 1);
-  REQUIRE(store->versions().now == 3);
+  REQUIRE(store->versions().now == 4);
   REQUIRE_OK(add("after"));
   REQUIRE(Require(store->ListDatabases({})).size() == 2);
   REQUIRE(Findings(*store) == "");
   // It cannot start again.
   REQUIRE_ERROR(storage::MigratePostgres(*old_server, 1), StatusCode::kFailedPrecondition,
-                "version 3, from a newer motiondb; this one supports versions up to 1");
+                "version 4, from a newer motiondb; this one supports versions up to 1");
 }
 
 TEST_CASE("PostgresMotionStore: read-only refuses changes", "[storage][postgres]") {
@@ -232,6 +222,9 @@ TEST_CASE("PostgresMotionStore: recovers after PostgreSQL was gone", "[storage][
   REQUIRE(store->GetDatabase("d").status().code() == StatusCode::kUnavailable);
   REQUIRE(store->CheckWrites().code() == StatusCode::kUnavailable);
   REQUIRE(store->write_failures().io_error >= 1);
+  const auto broken = store->connections();
+  REQUIRE(broken.opened_sessions >= 1);
+  REQUIRE(broken.failed_sessions >= 1);
   cluster->Start();
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (!store->CheckWrites().ok()) {
@@ -240,6 +233,7 @@ TEST_CASE("PostgresMotionStore: recovers after PostgreSQL was gone", "[storage][
   }
   REQUIRE_OK(store->AddClip(SampleClip("d", "run", 2)));
   REQUIRE(Require(store->ListClips("d", {})).size() == 2);
+  REQUIRE(store->connections().opened_sessions >= broken.opened_sessions + 2);
 }
 
 TEST_CASE("PostgresMotionStore: corruption is DATA_LOSS, and a verification names it",
@@ -290,7 +284,7 @@ TEST_CASE("PostgresMotionStore: corruption is DATA_LOSS, and a verification name
   }
 }
 
-TEST_CASE("PostgresMotionStore: long words are found, and equal beginnings are told apart",
+TEST_CASE("PostgresMotionStore: long words are found, also among equal beginnings",
           "[storage][postgres]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
   if (cluster == nullptr) return;

@@ -1,22 +1,13 @@
 // Disk faults at every write and sync of each kind of change: acknowledged changes stay, others
 // leave no trace, and nothing is corrupt.
-//
-// MOTIONDB_FAULT_SEEDS: number of power cuts at each operation; default 8.
-// MOTIONDB_FAULT_STRIDE: each fault happens at each n-th operation only, different faults at
-// different ones; default 1.
-// MOTIONDB_FAULT_PARTS, MOTIONDB_FAULT_PART: only the cases of this part, from 1, of so many.
 #include <catch2/catch.hpp>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "core/model/extend_model.h"
 #include "tests/storage/backup_bytes.h"
-#include "tests/storage/fault_disk.h"
+#include "tests/storage/fault_run.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
@@ -27,32 +18,12 @@
 namespace motiondb::tests::power_cut_test {
 namespace {
 
-using Fault = FaultDisk::Fault;
 using Store = storage::MotionStore;
-
-constexpr std::int64_t kNow = 1'700'000'000'000'000;
-
-int Variable(const char* name, int otherwise) {
-  const char* const text = std::getenv(name);
-  return text == nullptr ? otherwise : std::max(1, std::atoi(text));
-}
-
-storage::SqliteOptions Options(const std::string& vfs) {
-  return {.reader_count = 1, .now_us = [] { return kNow; }, .vfs = vfs};
-}
-
-// A change of a store. Opening the store is part of it.
-struct Change {
-  std::string before;  // bytes of the file before the change
-  std::function<absl::Status(Store&)> change;
-  // Completes an interrupted change and checks the effects that a dump does not show.
-  std::function<void(Store&, const StoreFile&)> rest;
-};
 
 // Returns the bytes of a store with the content that `fill` adds.
 std::string FileOf(const std::function<void(Store&)>& fill) {
   const StoreFile file;
-  fill(*file.Open(Options("")));
+  fill(*file.Open(FaultOptions("")));
   return ReadFile(file.path());
 }
 
@@ -73,159 +44,16 @@ core::Model Extended() {
 }
 
 // The audit entry of a change: stored with the change, or neither is stored.
-const storage::AuditRecord kEntry{.time_us = kNow, .method = "Change"};
+const storage::AuditRecord kEntry{.time_us = kFaultTime, .method = "Change"};
 
-// Injects every fault at every disk operation of a change.
-class FaultRun {
- public:
-  explicit FaultRun(Change change) : change_(std::move(change)) {
-    Begin(Fault::kNone, 0);
-    {
-      const auto store = Require(file_.TryOpen(Options("")));
-      before_ = Dump(*store);
-    }
-    Begin(Fault::kNone, 0);
-    {
-      const auto store = Require(file_.TryOpen(Options(FaultDisk::kVfs)));
-      REQUIRE_OK(change_.change(*store));
-    }
-    operations_ = disk_.operations();
-    const auto store = Require(file_.TryOpen(Options("")));
-    after_ = Dump(*store);
-  }
-
-  void CutPowerEverywhere() {
-    Everywhere([&](int at) { CutPowerAt(at); });
-  }
-
-  void FailEverywhere() {
-    for (const Fault fault : {Fault::kError, Fault::kShortWrite}) {
-      for (const bool power_goes_too : {false, true}) {
-        Everywhere([&](int at) { FailAt(fault, at, power_goes_too); });
-      }
-    }
-  }
-
-  void FillEverywhere() {
-    Everywhere([&](int at) { FillAt(at); });
-  }
-
-  int cases() const { return cases_; }
-  // Returns whether the dumps before and after the change differ.
-  bool is_seen() const { return before_ != after_; }
-
- private:
-  // Injects a fault at each operation, or at each n-th (MOTIONDB_FAULT_STRIDE).
-  void Everywhere(const std::function<void(int at)>& inject) {
-    const int stride = Variable("MOTIONDB_FAULT_STRIDE", 1);
-    const int parts = Variable("MOTIONDB_FAULT_PARTS", 1);
-    const int part = Variable("MOTIONDB_FAULT_PART", 1);
-    for (int at = 1 + fault_count_++ % stride; at <= operations_; at += stride) {
-      if (case_count_++ % parts == part - 1) inject(at);
-    }
-  }
-
-  // Restores the file before the change and arms the disk.
-  void Begin(Fault fault, int at) {
-    for (const char* const suffix : {"-wal", "-shm", "-journal"}) {
-      std::filesystem::remove(file_.path() + suffix);
-    }
-    std::ofstream(file_.path(), std::ios::binary | std::ios::trunc) << change_.before;
-    disk_.Arm(fault, at);
-    ++cases_;
-  }
-
-  // Opens, changes and closes the store. Returns the status of opening or of the change.
-  absl::Status Run(const std::function<void(Store&, const absl::Status&)>& then = {}) {
-    auto store = file_.TryOpen(Options(FaultDisk::kVfs));
-    if (!store.ok()) return store.status();
-    const absl::Status changed = change_.change(**store);
-    if (then) then(**store, changed);
-    return changed;
-  }
-
-  void CheckAfterwards(const std::string& what, bool may_be_before, bool may_be_after) {
-    INFO(what);
-    const auto store = Require(file_.TryOpen(Options("")));
-    const std::string found = Findings(*store);
-    INFO(found);
-    REQUIRE(found.empty());
-    const std::string dump = Dump(*store);
-    const bool right = (may_be_before && dump == before_) || (may_be_after && dump == after_);
-    REQUIRE(right);
-    if (change_.rest) change_.rest(*store, file_);
-  }
-
-  // Tries different remains of one power cut. Equal remains are checked once.
-  void CutPowerAt(int at) {
-    Begin(Fault::kPowerCut, at);
-    const absl::Status changed = Run();
-    std::set<FaultDisk::Contents> checked;
-    const auto seeds = static_cast<unsigned>(Variable("MOTIONDB_FAULT_SEEDS", 8));
-    for (unsigned seed = 0; seed < seeds; ++seed) {
-      const auto kept = disk_.AfterPowerCut(static_cast<unsigned>(at) * seeds + seed);
-      ++cases_;
-      if (!checked.insert(kept).second) continue;
-      disk_.Reboot(kept);
-      CheckAfterwards("power cut at " + std::to_string(at) + ", seed " + std::to_string(seed),
-                      !changed.ok(), true);
-    }
-  }
-
-  void FailAt(Fault fault, int at, bool power_goes_too) {
-    Begin(fault, at);
-    const absl::Status changed = Run([&](Store& store, const absl::Status& status) {
-      if (!status.ok()) {
-        INFO(status);
-        CHECK(absl::IsUnavailable(status));
-        CHECK(Dump(store) == before_);
-      }
-      if (power_goes_too) disk_.CutPower();
-    });
-    if (power_goes_too) disk_.Reboot(static_cast<unsigned>(at));
-    // A commit whose sync failed is rolled back in the running process. If the power is cut before
-    // the next commit, the log may still contain it: completely, never in part.
-    CheckAfterwards("fault " + std::to_string(static_cast<int>(fault)) + " at " +
-                        std::to_string(at) + (power_goes_too ? ", then power" : ""),
-                    !changed.ok(), changed.ok() || power_goes_too);
-  }
-
-  void FillAt(int at) {
-    Begin(Fault::kFull, at);
-    const absl::Status changed = Run([&](Store& store, const absl::Status& status) {
-      if (!status.ok()) {
-        INFO(status);
-        CHECK(absl::IsResourceExhausted(status));
-        CHECK(Dump(store) == before_);
-      }
-      disk_.Clear();
-      if (!status.ok()) REQUIRE_OK(change_.change(store));  // the disk has room again
-    });
-    disk_.Clear();
-    if (!changed.ok() && Dump(*Require(file_.TryOpen(Options("")))) == before_) {
-      REQUIRE_OK(Run());  // the store could not be opened before
-    }
-    CheckAfterwards("full at " + std::to_string(at), false, true);
-  }
-
-  const StoreFile file_;
-  FaultDisk disk_;
-  const Change change_;
-  std::string before_;
-  std::string after_;
-  int operations_ = 0;
-  int cases_ = 0;
-  int fault_count_ = 0;
-  int case_count_ = 0;  // of all parts
-};
-
-void RunAll(Change change, bool is_seen = true) {
+void RunAll(FaultyChange change, bool is_seen = true) {
   FaultRun run(std::move(change));
   REQUIRE(run.is_seen() == is_seen);
   run.CutPowerEverywhere();
   run.FailEverywhere();
   run.FillEverywhere();
-  REQUIRE(run.cases() * Variable("MOTIONDB_FAULT_STRIDE", 1) * Variable("MOTIONDB_FAULT_PARTS", 1) >
+  REQUIRE(run.cases() * FaultRun::Variable("MOTIONDB_FAULT_STRIDE", 1) *
+              FaultRun::Variable("MOTIONDB_FAULT_PARTS", 1) >
           100);
 }
 
@@ -311,7 +139,7 @@ TEST_CASE("Faults: the end of an operation", "[storage][power]") {
   ended.progress = 1;
   ended.stage = "done";
   ended.model_version = 1;
-  ended.update_time_us = kNow + 1;
+  ended.update_time_us = kFaultTime + 1;
   RunAll({FileOf(FillWithModel), [ended](Store& store) { return store.PutOperation(ended); }});
 }
 
@@ -354,7 +182,7 @@ TEST_CASE("Faults: deletion", "[storage][power]") {
 
 TEST_CASE("Faults: a restore", "[storage][power]") {
   const StoreFile from;
-  const auto source = from.Open(Options(""));
+  const auto source = from.Open(FaultOptions(""));
   FillWithModel(*source);
   const std::string backup = Backup(*source);
   // The token and the audit entry of the target stay.
@@ -366,7 +194,7 @@ TEST_CASE("Faults: a restore", "[storage][power]") {
 
 TEST_CASE("Faults: an import", "[storage][power]") {
   const StoreFile from;
-  const auto source = from.Open(Options(""));
+  const auto source = from.Open(FaultOptions(""));
   FillWithModel(*source);
   const std::string exported = Export(*source, "d");
   const auto rest = [](Store& store, const StoreFile& file) {
@@ -392,13 +220,13 @@ TEST_CASE("Faults: a token", "[storage][power]") {
       REQUIRE_OK(add(store));
     };
     RunAll({FileOf(fill), [](Store& store) {
-              return store.access().RevokeToken("t", kNow, {&kEntry}).status();
+              return store.access().RevokeToken("t", kFaultTime, {&kEntry}).status();
             }});
   }
 }
 
 TEST_CASE("Faults: a migration", "[storage][power][migration]") {
-  const int version = GENERATE(1, 2, 3, 7);
+  const int version = GENERATE(1, 2, 3, 7, 10, 11);
   RunAll({OldStore(version), [](Store&) { return absl::OkStatus(); }}, /*is_seen=*/false);
 }
 

@@ -59,7 +59,7 @@ constexpr std::array kAllowed = {
     "SELECT model_key, name, version",
     "SELECT skeleton_key, skeleton.id",
     // Fills the index of an exported database or of a corrupt one.
-    "SELECT clip_key, title, description, subject, file_name, annotations FROM clip ",
+    "SELECT clip.clip_key, title, description, subject, file_name, annotations, label FROM clip ",
     "SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema ",
     // ListDatabaseStates lists all databases. The index of unfinished operations has only those.
     "SELECT name, database_key, revision, row_crc FROM database ",

@@ -27,6 +27,28 @@ TEST_CASE("ReaderPool: AcquireIdle leaves one connection for the next caller",
   CHECK(pool.AcquireIdle().size() == 3);  // all are open
 }
 
+TEST_CASE("ReaderPool: counts connections and waiting reads", "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  storage::ReaderPool pool([&] { return storage::OpenReader(file.path(), ""); }, {}, 2);
+  CHECK(pool.statistics().max_readers == 2);
+  CHECK(pool.statistics().open_readers == 0);
+  {
+    const auto first = pool.Acquire();
+    const auto second = pool.Acquire();
+    CHECK(pool.statistics().leased_readers == 2);
+    CHECK(pool.statistics().waited_reads == 0);
+    int waiting = 0;
+    REQUIRE_ERROR(pool.Acquire([&] { return ++waiting > 2; }), absl::StatusCode::kCancelled,
+                  "cancelled");
+    CHECK(pool.statistics().waited_reads == 1);
+    CHECK(pool.statistics().wait_seconds > 0);
+    CHECK(pool.statistics().waiting_reads == 0);
+  }
+  CHECK(pool.statistics().open_readers == 2);
+  CHECK(pool.statistics().leased_readers == 0);
+}
+
 TEST_CASE("ReaderPool: waiting can be cancelled, and no connection is lost",
           "[storage][concurrency]") {
   const StoreFile file;

@@ -1,4 +1,5 @@
 // Work that shares a transaction of the writer.
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <functional>
@@ -69,6 +70,7 @@ class SharedWork {
   }
   // The bytes of each transaction, including failed ones.
   const std::vector<std::int64_t>& transactions() const { return transactions_; }
+  std::atomic<bool> loses_commit = false;  // transactions are committed, and return UNAVAILABLE
 
  private:
   Writer& writer_;
@@ -76,7 +78,9 @@ class SharedWork {
   const Writer::Transact transact_ = [this](Connection& connection, std::int64_t bytes,
                                             const Writer::Body& body) {
     transactions_.push_back(bytes);
-    return storage::InTransaction(connection, storage::Transaction::Kind::kWrite, body);
+    const absl::Status done =
+        storage::InTransaction(connection, storage::Transaction::Kind::kWrite, body);
+    return done.ok() && loses_commit ? absl::UnavailableError("the answer is lost") : done;
   };
   std::vector<std::unique_ptr<absl::StatusOr<int>>> results_;
   std::vector<std::jthread> callers_;
@@ -118,6 +122,21 @@ TEST_CASE("Writer: failing work in a shared transaction does not affect the rest
   CHECK(results[3].ok());
   CHECK(work.Count() == (throws ? 2 : 3));
   CHECK(work.transactions() == std::vector<std::int64_t>{100, 10, 20, 30, 40});
+}
+
+TEST_CASE("Writer: after a commit without an answer, no work of a shared transaction runs again",
+          "[storage][concurrency]") {
+  const auto writer = MakeWriter();
+  SharedWork work(*writer);
+  work.loses_commit = true;
+  {
+    WriterHolder holder(*writer);
+    for (int n = 0; n < 3; ++n) work.Insert(n, 10);
+    holder.Release();
+  }
+  for (const auto& result : work.Results()) CHECK(absl::IsUnavailable(result.status()));
+  CHECK(work.Count() == 3);
+  CHECK(work.transactions() == std::vector<std::int64_t>{30});
 }
 
 }  // namespace

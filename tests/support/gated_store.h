@@ -304,6 +304,7 @@ class GatedStore : public storage::MotionStore {
     return store_->CheckWrites();
   }
   storage::WriteFailures write_failures() const override { return store_->write_failures(); }
+  storage::ConnectionStatistics connections() const override { return store_->connections(); }
   storage::AnnotationStore& annotations() override { return annotations_; }
   storage::AccessStore& access() override { return store_->access(); }
   storage::StoreMaintenance& maintenance() override { return maintenance_; }
@@ -344,5 +345,12 @@ inline void Gate::Pass() {
   changed_.wait(lock, [this] { return !closed_; });
   --waiting_;
 }
+
+// One server's access to a store that several servers share.
+class SharedStore : public GatedStore {
+ public:
+  using GatedStore::GatedStore;
+  bool is_shared() const override { return true; }
+};
 
 }  // namespace motiondb::tests

@@ -24,6 +24,13 @@ server::ServerOptions QuickOptions() {
   return options;
 }
 
+std::shared_ptr<grpc::Channel> OpenChannel(const server::Server& server,
+                                           grpc::ChannelArguments arguments) {
+  // A subchannel pool of its own: gRPC's global one remembers a server that has ended.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  return grpc::CreateCustomChannel(server.address(), grpc::InsecureChannelCredentials(), arguments);
+}
+
 }  // namespace
 
 TestServer::TestServer() : TestServer(QuickOptions()) {}
@@ -68,12 +75,13 @@ void TestServer::Start() {
   channel_ = NewChannel();
 }
 
-std::shared_ptr<grpc::Channel> TestServer::NewChannel() const {
-  // A subchannel pool of its own: gRPC's global one remembers a server that has ended.
+std::shared_ptr<grpc::Channel> TestServer::NewChannel() const { return OpenChannel(*server_, {}); }
+
+std::shared_ptr<grpc::Channel> TestServer::NewSmallChannel() const {
   grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  return grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(),
-                                   arguments);
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  arguments.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, 1 << 16);
+  return OpenChannel(*server_, arguments);
 }
 
 void TestServer::CreateDatabase(const std::string& id) {

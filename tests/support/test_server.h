@@ -50,6 +50,8 @@ class TestServer {
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
   // Returns a new channel with its own connection.
   std::shared_ptr<grpc::Channel> NewChannel() const;
+  // The same, for a client that reads slowly or nothing: its flow-control window stays at 64 KiB.
+  std::shared_ptr<grpc::Channel> NewSmallChannel() const;
 
   // Example: NewStub<v1::ClipService>().
   template <typename Service>

@@ -132,6 +132,7 @@ namespace {
 constexpr std::string_view kPackedFields[] = {"angles",
                                               "joint_angles",
                                               "joint_positions",
+                                              "joint_rotations",
                                               "marker_deviations",
                                               "marker_positions",
                                               "marker_velocities",

@@ -1,12 +1,20 @@
-// motiondb::client::Client: a connection to a motiondb server. It has one function for each call of
-// the wire contract (motiondb/v1/*.proto), and helpers for paged lists, files and operations.
+// motiondb::client::Client: a connection to a motiondb server, or to several servers of one store.
+// It has one function for each call of the wire contract (motiondb/v1/*.proto), and helpers for
+// paged lists, files and operations.
+//
+// Several servers: calls go to one server until it returns UNAVAILABLE or cannot be reached, then
+// to the next address of ClientOptions::server. A call that ended with UNAVAILABLE is made again at
+// the next address, at each one once, if that is safe: every call that only reads (a stream: before
+// its first message), and a change that no server has begun, because none was reached or it stops.
+// If a server may have begun a change, the error is returned: look whether the change was made.
+// With one address, which may be a proxy, there are at most two attempts.
 //
 // Thread-safety: all functions are thread-safe. Do not move or destroy a client during a call.
 // Ownership: a Client owns its connection and closes it when destroyed. Requests are only read
 // during the call; responses belong to the caller.
 // Errors: absl::Status with the server's canonical code and message. The message names the wrong
 // fields of a request; FieldViolations (field_violation.h) returns them. RequestId and RetryDelay
-// (call_error.h) return the request id and the retry delay. UNAVAILABLE names the address,
+// (call_error.h) return the request id and the retry delay. UNAVAILABLE names the addresses,
 // DEADLINE_EXCEEDED the time limit. No function throws.
 //
 // This header only declares the messages. Include <motiondb/v1/query.pb.h> etc. to use them.
@@ -43,8 +51,8 @@ struct ExportedClip {
 
 class Client {
  public:
-  // Connects within options.connect_timeout. INVALID_ARGUMENT: invalid options. UNAVAILABLE: no
-  // server responds at the address.
+  // Connects within options.connect_timeout to the first address that responds. INVALID_ARGUMENT:
+  // invalid options. UNAVAILABLE: no server responds at any address.
   static absl::StatusOr<Client> Connect(ClientOptions options = {});
 
   Client(Client&&) noexcept;
@@ -194,9 +202,9 @@ class Client {
   absl::StatusOr<v1::PlanResponse> Plan(const v1::PlanRequest& request,
                                         CallOptions options = {}) const;
 
-  // Opens a stream of frames (<motiondb/observe_stream.h>). All errors, also of `start`, are
-  // returned by ObserveStream::Finish. The default timeout is unlimited.
-  ObserveStream Observe(const v1::ObserveStart& start, CallOptions options = {}) const;
+  // Opens a stream of frames (<motiondb/observe_stream.h>), which reconnects by itself. All errors,
+  // also of `start`, are returned by ObserveStream::Finish.
+  ObserveStream Observe(const v1::ObserveStart& start, ObserveOptions options = {}) const;
   // Converts a motion to frames of the database's markers at the motion's own frame rate, as input
   // of a stream.
   absl::StatusOr<v1::RepresentResponse> Represent(const v1::RepresentRequest& request,

@@ -23,12 +23,14 @@ struct TlsOptions {
   // The client's certificate and its key, for mutual TLS; both or neither.
   std::string certificate_file;
   std::string key_file;
-  // Name in the server's certificate, if it differs from the host in the address.
+  // Name in the certificates of all servers, if it differs from the host in the address.
   std::string server_name;
 };
 
 struct ClientOptions {
-  // Address of the server, HOST:PORT.
+  // Address of the server, HOST:PORT or unix:PATH, or several with commas between them: servers of
+  // one store, in the order in which they are tried. A name that resolves to several machines is
+  // one address.
   std::string server = "127.0.0.1:50051";
   // Time limit of Client::Connect, which retries, so that a starting server is reached.
   std::chrono::milliseconds connect_timeout{2000};

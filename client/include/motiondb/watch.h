@@ -30,9 +30,10 @@ class Watch {
   ~Watch();
 
   // Waits for the next message. Returns false if the watch has ended; Finish returns why. If the
-  // server becomes unavailable, Next connects again, after 0.2 s, then twice as long each time, at
-  // most 10 s. Each change is returned exactly once, also if a connection ended in the middle of a
-  // transaction. A message that only reports `up_to_date` can be repeated.
+  // server becomes unavailable, Next connects again: immediately to each other address of the
+  // client, then after 0.2 s, then twice as long each time, at most 10 s. Each change is returned
+  // exactly once, also if a connection ended in the middle of a transaction. A message that only
+  // reports `up_to_date` can be repeated.
   bool Next(v1::WatchDatabaseResponse& message);
 
   // Revision of the last transaction that Next has returned completely; at the beginning,

@@ -9,8 +9,10 @@
 #include <map>
 #include <numbers>
 
+#include "core/format/asf_file.h"
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/odd_robot.h"
+#include "tests/support/compressed.h"
 #include "tests/support/real_data.h"
 
 namespace motiondb::tests::urdf_reader_test {
@@ -290,6 +292,28 @@ TEST_CASE("ReadUrdf: robots of several makers", "[core][format][data]") {
     CHECK(limited.lower == expected.lower);
     CHECK(limited.upper == expected.upper);
   }
+}
+
+TEST_CASE("ReadUrdf, ReadAsf: files that are compressed with gzip", "[core][format]") {
+  const UrdfRobot robot = GoodRobot(Compressed(std::string(kRobot)));
+  CHECK(robot.skeleton.joint_count() == GoodRobot(kRobot).skeleton.joint_count());
+  const auto refusal = [](const std::string& bytes) { return ErrorMessageOf(ReadRobot(bytes)); };
+  // A bomb, a file that is cut, and the position of an error in the content.
+  CHECK_THAT(refusal(Compressed(std::string(5 << 20, ' '))),
+             Contains("robot.urdf: byte ") && Contains("more than 4194304 decompressed bytes"));
+  CHECK_THAT(refusal(Compressed(std::string(kRobot)).substr(0, 100)), Contains("truncated?"));
+  CHECK_THAT(refusal(Compressed("\n<robt/>")), Contains("robot.urdf:2: expected <robot>"));
+  // Memory is reserved for the content, not for the largest one.
+  const std::string csv = "time_s\n0\n";
+  const auto reserved = [&](const std::string& urdf) {
+    return core::MaxBytesToRead(core::FileFormat::kCsv, {"a.csv", csv},
+                                core::SourceFile{"a.urdf", urdf});
+  };
+  CHECK(reserved(Compressed(std::string(kRobot))) == reserved(std::string(kRobot)));
+  const std::string asf = ":root\norder TX TY TZ\n:hierarchy\nbegin\nend\n";
+  REQUIRE(core::ReadAsf({"a.asf", asf}).ok());
+  const std::string packed = Compressed(asf);
+  CHECK(core::ReadAsf({"a.asf.gz", packed}).ok());
 }
 
 }  // namespace motiondb::tests::urdf_reader_test

@@ -132,4 +132,24 @@ TEST_CASE("JointPositions: every frame equals its own forward kinematics", "[cor
   }
 }
 
+TEST_CASE("JointRotations: unit quaternions without jumps", "[core][motion]") {
+  core::JointMotion motion{.skeleton = std::make_shared<Skeleton>(TwoLinkArm()),
+                           .frame_rate_hz = 10,
+                           .angles = core::JointMatrix(60, 2)};
+  // The shoulder makes more than two turns; the elbow holds 45 degrees.
+  for (int f = 0; f < 60; ++f) motion.angles.row(f) << 0.25 * f, kRightAngle / 2;
+  const core::FrameMatrix rotations = core::JointRotations(motion);
+  REQUIRE(rotations.rows() == 60);
+  REQUIRE(rotations.cols() == 12);
+  for (int f = 0; f < 60; ++f) {
+    for (int joint = 0; joint < 3; ++joint) {
+      // About z by a: (0, 0, sin(a / 2), cos(a / 2)), which is continuous in a.
+      const double half = (0.25 * f + (joint > 0 ? kRightAngle / 2 : 0)) / 2;
+      const Eigen::RowVector4f expected(0, 0, static_cast<float>(std::sin(half)),
+                                        static_cast<float>(std::cos(half)));
+      CHECK((rotations.block<1, 4>(f, 4 * joint) - expected).norm() < 1e-6F);
+    }
+  }
+}
+
 }  // namespace motiondb::tests::forward_kinematics_test

@@ -65,6 +65,34 @@ TEST_CASE("RecordedJoints: a part of the frames, on the floor", "[core][view]") 
   CHECK(absl::IsInvalidArgument(core::RecordedJoints(motion, {0, 1, 0}, 60).status()));
 }
 
+TEST_CASE("RecordedRotations: rotations go with the positions of joints", "[core][view]") {
+  const core::JointMotion motion = ReadFigure({.act = Act::kWave, .frame_count = 90});
+  const core::Skeleton& skeleton = *motion.skeleton;
+  for (const double rate_hz : {60.0, 30.0, 47.5, 120.0}) {
+    const core::SourcePart part{10, 70, 0.25};
+    const auto joints = core::RecordedJoints(motion, part, rate_hz);
+    const auto rotations = core::RecordedRotations(motion, part, rate_hz);
+    REQUIRE(joints.ok());
+    REQUIRE(rotations.ok());
+    REQUIRE(rotations->rows() == joints->rows());
+    REQUIRE(rotations->cols() == 4 * skeleton.joint_count());
+    for (Eigen::Index frame = 0; frame < joints->rows(); ++frame) {
+      for (int j = 1; j < skeleton.joint_count(); ++j) {
+        const core::Joint& joint = skeleton.joints()[j];
+        const Eigen::Vector4f numbers = rotations->block<1, 4>(frame, 4 * joint.parent).transpose();
+        CHECK(numbers.norm() == Approx(1).margin(1e-5));
+        const Eigen::Vector3f along =
+            Eigen::Quaternionf(numbers) * joint.offset_m.cast<float>().eval();
+        const Eigen::Vector3f link =
+            (joints->block<1, 3>(frame, 3 * j) - joints->block<1, 3>(frame, 3 * joint.parent))
+                .transpose();
+        CHECK((along - link).norm() < 1e-3F);
+      }
+    }
+  }
+  CHECK(absl::IsInvalidArgument(core::RecordedRotations(motion, {0, 1, 0}, 60).status()));
+}
+
 TEST_CASE("Represent: names the part of the source", "[core][view]") {
   // One marker jumps far for a moment; the longer rest is stored.
   core::MarkerMotion motion = WalkingFigure{.seconds = 3}.Motion();

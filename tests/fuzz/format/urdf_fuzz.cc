@@ -3,6 +3,7 @@
 
 #include "core/export/writers.h"
 #include "core/format/urdf_reader.h"
+#include "core/format/urdf_visuals.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"
 #include "tests/fuzz/support/properties.h"
@@ -23,6 +24,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                          "the master of a mimic joint is a joint");
     tests::CheckContract(std::isfinite(mimic.multiplier) && std::isfinite(mimic.offset),
                          "multiplier and offset are finite");
+  }
+  tests::CheckContract(read->visuals.size() <= core::kMaxVisuals, "few visual shapes");
+  for (const core::LinkVisual& visual : read->visuals) {
+    tests::CheckContract(visual.joint >= 0 && visual.joint < read->skeleton.joint_count(),
+                         "the joint of a visual shape exists");
+    tests::CheckContract(visual.size_m.minCoeff() > 0 &&
+                             visual.size_m.maxCoeff() <= core::kMaxVisualLength_m &&
+                             visual.joint_from_shape.matrix().allFinite(),
+                         "size and pose of a visual shape are in range");
+    tests::CheckContract(
+        !visual.color || (visual.color->minCoeff() >= 0 && visual.color->maxCoeff() <= 1),
+        "the colour of a visual shape is in range");
   }
   // A motion of a robot at rest can be written.
   core::JointMotion still{.skeleton = std::make_shared<const core::Skeleton>(read->skeleton),

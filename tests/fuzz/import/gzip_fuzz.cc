@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "import/gunzip.h"
+#include "core/format/gunzip.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/properties.h"
 
@@ -44,7 +44,7 @@ std::string FileOf(std::string_view content, std::size_t block) {
 
 absl::StatusOr<std::string> Checked(std::string_view file) {
   const tests::MemoryWatch watch;
-  auto content = importer::Gunzip({"input.gz", file}, kMaxBytes);
+  auto content = core::Gunzip({"input.gz", file}, kMaxBytes);
   watch.CheckProportional(0, 4 * kMaxBytes, 0);
   tests::CheckErrorContract(content.status(), absl::StatusCode::kInvalidArgument);
   if (!content.ok()) {

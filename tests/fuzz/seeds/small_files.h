@@ -127,7 +127,12 @@ inline constexpr std::string_view kSmallTrc =
     "3\t0.02\t102\t900\t0\t-98\t900\t0\t2\t1700\t0\n";
 
 inline constexpr std::string_view kSmallUrdf = R"(<robot name="arm">
-  <link name="base"/><link name="upper"/><link name="lower"/><link name="tip"/>
+  <link name="base"/><link name="upper"/><link name="lower"/>
+  <link name="tip">
+    <visual><origin xyz="0 0 1"/><geometry><box size="1 2 3"/></geometry></visual>
+    <visual><geometry><cylinder radius="1" length="2"/></geometry></visual>
+    <visual><geometry><sphere radius="1"/></geometry></visual>
+  </link>
   <joint name="shoulder" type="revolute">
     <parent link="base"/><child link="upper"/><origin xyz="0 0 1" rpy="0 0.1 0"/>
     <axis xyz="0 1 0"/><limit lower="-1" upper="1"/>

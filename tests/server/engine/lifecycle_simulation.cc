@@ -8,7 +8,6 @@
 #include <iterator>
 #include <utility>
 
-#include "server/engine/corruption_log.h"
 #include "server/engine/ingest.h"
 #include "server/engine/marker_schemes.h"
 #include "storage/sqlite/sqlite_motion_store.h"
@@ -34,6 +33,7 @@ LifecycleSimulation::LifecycleSimulation(unsigned seed) : random_(seed), executo
   options_.rebuild_delay = milliseconds(300);
   options_.rebuild_delay_limit = milliseconds(2000);
   options_.extend_from = std::chrono::duration<double>(seed % 2 == 0 ? 0 : 3600);
+  options_.model_memory_bytes = seed % 4 < 2 ? 0 : 1;  // 1: the model is evicted, and read again
   process_.emplace(directory_ / "store.db");
   REQUIRE(store()
               .CreateDatabase({.name = "db",
@@ -58,7 +58,7 @@ void LifecycleSimulation::Step() {
       executor_.RunUntil(executor_.Now() + milliseconds(Below(500)));
       return;
     default:
-      Change(event);
+      Change(event == 0 && Below(2) == 0 ? 3 + Below(2) : event);
   }
 }
 
@@ -76,12 +76,11 @@ void LifecycleSimulation::CrashAndRestart() {
   for (const std::string& clip : clips_) CHECK(store().GetClip("db", clip).ok());
   Serve();
   previous_.reset();
-  server::CorruptionLog corruptions;
   // The database is not visible meanwhile.
   const auto between = std::exchange(executor_.between, nullptr);
-  lifecycle().LoadStored(corruptions);
+  lifecycle().LoadStored();
   executor_.between = between;
-  CHECK(corruptions.List().empty());
+  CHECK(corruptions_.List().empty());
   // The stored model is older than the changes since its build.
   const bool was_emptied = is_emptied_since_;
   const bool was_deleted = is_deleted_since_;
@@ -103,7 +102,7 @@ void LifecycleSimulation::CrashAndRestart() {
 void LifecycleSimulation::Serve() {
   auto live = std::make_shared<server::LiveDatabase>("db", kSimulatedSettings);
   live->Serve(std::make_unique<server::ModelLifecycle>(
-      *live, server::LifecycleServices{store(), operations(), executor_, options_}));
+      *live, server::LifecycleServices{store(), operations(), corruptions_, executor_, options_}));
   const auto record = store().GetDatabase("db");
   REQUIRE(record.ok());
   server::MarkerSchemes schemes;
@@ -205,6 +204,8 @@ void LifecycleSimulation::Change(int event) {
   if (event == 0) Ingest();
   if (event == 1) Delete();
   if (event == 2) Cancel();
+  if (event == 3 && options_.model_memory_bytes > 0) statistics_.evictions += lifecycle().Evict();
+  if (event == 4) lifecycle().Use().IgnoreError();
 }
 
 }  // namespace motiondb::tests

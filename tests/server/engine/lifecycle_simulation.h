@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/corruption_log.h"
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/operation_registry.h"
@@ -28,12 +29,14 @@ struct BuildStatistics {
   int borrowing = 0;            // checks while an uncalibrated model answered
   int cancelled_borrowing = 0;  // builds cancelled at such a moment
   int extended_borrowing = 0;   // checks while such a model had clips ingested after its build
+  int evictions = 0;
 
   BuildStatistics& operator+=(const BuildStatistics& more) {
     builds += more.builds;
     borrowing += more.borrowing;
     cancelled_borrowing += more.cancelled_borrowing;
     extended_borrowing += more.extended_borrowing;
+    evictions += more.evictions;
     return *this;
   }
 };
@@ -104,6 +107,7 @@ class LifecycleSimulation {
   void CheckVersion(const server::Snapshot& snapshot);
 
   std::mt19937 random_;
+  server::CorruptionLog corruptions_;
   SimulatedExecutor executor_;
   server::EngineOptions options_;
   TemporaryDirectory directory_;

@@ -21,6 +21,7 @@ TEST_CASE("Lifecycle: keeps its guarantees under random events", "[server][lifec
   CHECK(statistics.borrowing > 100);
   CHECK(statistics.cancelled_borrowing > 0);
   CHECK(statistics.extended_borrowing > 0);
+  CHECK(statistics.evictions > 0);
 }
 
 TEST_CASE("Lifecycle: a crash at any moment loses no acknowledged change", "[server][lifecycle]") {

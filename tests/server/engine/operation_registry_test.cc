@@ -47,7 +47,7 @@ TEST_CASE("OperationRegistry: states are stored, progress is not", "[server]") {
   CHECK(registry.store().GetOperation(id)->state == OperationState::kRunning);
   CHECK(registry.store().GetOperation(id)->progress == 0);
   CHECK(registry->List("db", "", 10)->front().progress == 0.5);
-  registry->Succeed(id, 3);
+  CHECK(registry->Succeed(id, 3).ok());
   CHECK(registry.store().GetOperation(id)->state == OperationState::kSucceeded);
   CHECK(registry->Get(id)->model_version == 3);
   CHECK(registry->Get(id)->progress == 1);
@@ -56,7 +56,7 @@ TEST_CASE("OperationRegistry: states are stored, progress is not", "[server]") {
 TEST_CASE("OperationRegistry: a failure keeps its code and message", "[server]") {
   RegistryFixture registry;
   const std::string id = registry->Create("db")->id;
-  registry->Fail(id, absl::DataLossError("clip 'a' is corrupt"));
+  CHECK(registry->Fail(id, absl::DataLossError("clip 'a' is corrupt")).ok());
   const auto record = *registry->Get(id);
   CHECK(record.state == OperationState::kFailed);
   CHECK(record.error_code == static_cast<int>(absl::StatusCode::kDataLoss));
@@ -67,7 +67,7 @@ TEST_CASE("OperationRegistry: a finished operation does not change", "[server]")
   RegistryFixture registry;
   const std::string id = registry->Create("db")->id;
   CHECK(registry->Cancel(id).ok());
-  registry->Succeed(id, 1);
+  CHECK(registry->Succeed(id, 1).ok());
   CHECK(registry->Get(id)->state == OperationState::kCancelled);
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("OperationRegistry: a watcher is called once, at the end", "[server]")
   registry->Start(id);
   registry->Advance(id, 0.1, "reading");
   CHECK(calls == 0);
-  registry->Succeed(id, 1);
+  CHECK(registry->Succeed(id, 1).ok());
   CHECK(calls == 1);
   CHECK(seen == OperationState::kSucceeded);
   CHECK(registry->Watch(id, watcher) == 0);
@@ -151,11 +151,11 @@ TEST_CASE("OperationRegistry: an operation that cannot be stored is kept in memo
 
   SECTION("the disk has space before it ends") {
     registry.disk().Set(tests::SimulatedDisk::Lacks::kNothing);
-    registry->Succeed(created->id, 2);
+    CHECK(registry->Succeed(created->id, 2).ok());
     CHECK(registry.store().GetOperation(created->id)->state == OperationState::kSucceeded);
   }
   SECTION("the disk stays full to the end") {
-    registry->Succeed(created->id, 2);
+    CHECK(registry->Succeed(created->id, 2).ok());
     CHECK(absl::IsNotFound(registry.store().GetOperation(created->id).status()));
   }
   CHECK(called == 1);
@@ -191,12 +191,74 @@ TEST_CASE("OperationRegistry: operations of a deleted database end without an er
   registry->Watch(building, [&](const storage::OperationRecord&) { ++called; });
   REQUIRE(registry.store().DeleteDatabase("db").ok());
   registry->Start(building);
-  registry->Succeed(building, 1);
+  CHECK(registry->Succeed(building, 1).ok());
   CHECK(registry->Cancel(waiting).ok());
   CHECK(called == 1);
   CHECK(absl::IsNotFound(registry->Get(building).status()));
   CHECK(absl::IsNotFound(registry->Get(waiting).status()));
   CHECK(log.line_count() == 0);
+}
+
+// The registries of two servers on one store.
+struct TwoRegistries {
+  TwoRegistries() { REQUIRE(store.CreateDatabase({.name = "db", .marker_set = "source"}).ok()); }
+  void Follow(OperationRegistry& registry) { registry.Follow(*store.ListUnfinishedOperations()); }
+
+  tests::SharedStore store{*storage::SqliteMotionStore::Open(":memory:"),
+                           std::make_shared<tests::Gate>()};
+  OperationRegistry a{store};
+  OperationRegistry b{store};
+};
+
+TEST_CASE("OperationRegistry: the first result in a shared store counts", "[server]") {
+  TwoRegistries registries;
+  auto& [store, a, b] = registries;
+  const std::string id = a.Create("db")->id;
+  registries.Follow(b);
+  OperationState seen = OperationState::kPending;
+  const auto watcher = [&](const storage::OperationRecord& record) { seen = record.state; };
+  CHECK(a.Start(id));
+  REQUIRE(a.Watch(id, watcher) != 0);
+  SECTION("cancelled") {
+    CHECK(*b.CancelAnywhere(id));
+    CHECK(a.Succeed(id, 3).ok());
+    CHECK(seen == OperationState::kCancelled);
+    CHECK(a.Get(id)->state == OperationState::kCancelled);
+    CHECK(b.Get(id)->state == OperationState::kCancelled);
+  }
+  SECTION("built twice") {
+    CHECK(b.Start(id));
+    CHECK(b.Succeed(id, 3).ok());
+    CHECK(a.Succeed(id, 4).ok());
+    CHECK(seen == OperationState::kSucceeded);
+    CHECK(a.Get(id)->model_version == 3);
+    CHECK(b.Get(id)->model_version == 3);
+  }
+}
+
+TEST_CASE("OperationRegistry: a server that drops a former database ends no operation of the new",
+          "[server]") {
+  TwoRegistries registries;
+  auto& [store, a, b] = registries;
+  const std::string former = a.Create("db")->id;
+  registries.Follow(b);
+  REQUIRE(store.DeleteDatabase("db").ok());
+  REQUIRE(store.CreateDatabase({.name = "db", .marker_set = "source"}).ok());
+  const std::string id = a.Create("db")->id;
+  registries.Follow(b);
+  CHECK(b.Start(id));
+  OperationState seen = OperationState::kPending;
+  REQUIRE(b.Watch(id, [&](const storage::OperationRecord& record) { seen = record.state; }) != 0);
+  // It knows both only by their name.
+  CHECK_FALSE(b.Start(former));
+  b.Abandon(id);
+  CHECK(seen == OperationState::kPending);
+  registries.Follow(b);
+  CHECK(a.Start(id));
+  CHECK(a.Succeed(id, 1).ok());
+  registries.Follow(b);
+  CHECK(seen == OperationState::kSucceeded);
+  CHECK(a.List("db", "", 10)->size() == 1);
 }
 
 }  // namespace

@@ -4,12 +4,16 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "server/engine/engine.h"
+#include "storage/blob/newer_format.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/support/gated_store.h"
@@ -22,53 +26,74 @@ namespace {
 using std::chrono::seconds;
 using storage::OperationState;
 
-// The way of one engine to a store that others share.
-class SharedStore final : public GatedStore {
+// What a test controls and sees of the access of a server to the store.
+struct Access {
+  std::atomic<bool> is_stopped{false};  // leases are not renewed, nothing is looked at or purged
+  std::atomic<bool> is_old{false};      // stored models are of a newer version
+  storage::OnStoreChange on_change;     // what a notification calls
+  std::function<void()> after_read;     // called when the first model was read
+  std::atomic<int> look_count{0};
+  std::atomic<int> purge_count{0};
+};
+
+class WatchedStore final : public SharedStore {
  public:
-  // Sets `on_change` to what a notification calls, and counts the looks at the store.
-  SharedStore(std::shared_ptr<storage::MotionStore> store, std::shared_ptr<Gate> model_gate,
-              const std::atomic<bool>& is_stopped, storage::OnStoreChange& on_change,
-              std::atomic<int>& look_count)
-      : GatedStore(std::move(store), std::make_shared<Gate>(), std::move(model_gate)),
-        is_stopped_(is_stopped),
-        on_change_(&on_change),
-        look_count_(&look_count) {}
-  bool is_shared() const override { return true; }
+  WatchedStore(std::shared_ptr<storage::MotionStore> store, std::shared_ptr<Gate> model_gate,
+               Access& access)
+      : SharedStore(std::move(store), std::make_shared<Gate>(), std::move(model_gate)),
+        access_(access) {}
   std::unique_ptr<storage::StoreWatch> WatchChanges(storage::OnStoreChange on_change) override {
-    *on_change_ = std::move(on_change);
+    access_.on_change = std::move(on_change);
     return std::make_unique<Watch>();
   }
+  absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override {
+    if (access_.is_stopped) return absl::UnavailableError("the store is cut off");
+    const absl::Status purged = GatedStore::PurgeDeletedDatabases(cancelled);
+    if (purged.ok()) ++access_.purge_count;
+    return purged;
+  }
   absl::StatusOr<std::vector<storage::DatabaseState>> ListDatabaseStates() override {
-    ++*look_count_;
+    if (access_.is_stopped) return absl::UnavailableError("the store is cut off");
+    ++access_.look_count;
     return GatedStore::ListDatabaseStates();
+  }
+  absl::StatusOr<core::Model> ReadModel(const std::string& database,
+                                        const core::ParallelFor& parallel) override {
+    if (access_.is_old) return storage::NewerFormat("model");
+    auto model = GatedStore::ReadModel(database, parallel);
+    if (access_.after_read) std::exchange(access_.after_read, nullptr)();
+    return model;
+  }
+  absl::StatusOr<core::Model> ReadExtension(const std::string& database, std::int32_t base_version,
+                                            const core::Model& base,
+                                            const core::ParallelFor& parallel) override {
+    if (access_.is_old) return storage::NewerFormat("model");
+    return GatedStore::ReadExtension(database, base_version, base, parallel);
   }
   absl::Status RenewBuildLease(const std::string& database, std::int64_t fence,
                                std::chrono::milliseconds duration) override {
-    if (is_stopped_) return absl::UnavailableError("the process is stopped");
+    if (access_.is_stopped) return absl::UnavailableError("the process is stopped");
     return GatedStore::RenewBuildLease(database, fence, duration);
   }
 
  private:
   struct Watch final : storage::StoreWatch {};
 
-  const std::atomic<bool>& is_stopped_;
-  storage::OnStoreChange* const on_change_;
-  std::atomic<int>* const look_count_;
+  Access& access_;
 };
 
 // An engine with its store.
-struct OneServer {
+struct OneServer : Access {
   explicit OneServer(const std::shared_ptr<storage::MotionStore>& store,
-                     server::EngineOptions options = TestEngine::QuickOptions())
-      : engine(Require(server::Engine::Open(
-            std::make_unique<SharedStore>(store, model_gate, is_stopped, on_change, look_count),
-            options))) {}
+                     const server::EngineOptions& options = TestEngine::QuickOptions(),
+                     std::function<void()> on_read = {}) {
+    after_read = std::move(on_read);
+    engine = Require(
+        server::Engine::Open(std::make_unique<WatchedStore>(store, model_gate, *this), options));
+  }
   ~OneServer() { model_gate->Open(); }
 
   std::shared_ptr<Gate> model_gate = std::make_shared<Gate>();  // closed: models are not stored
-  std::atomic<bool> is_stopped{false};                          // leases are not renewed
-  storage::OnStoreChange on_change;
-  std::atomic<int> look_count{0};
   std::unique_ptr<server::Engine> engine;
 };
 
@@ -112,6 +137,20 @@ OperationState StateOf(OneServer& server, const std::string& operation) {
   return Require(server.engine->operations().Get(operation)).state;
 }
 
+server::LeaseTally LeasesOf(OneServer& server) {
+  return Require(server.engine->FindDatabase("d"))->lifecycle().leases();
+}
+
+// Creates the database `d` with one clip, waits until it is built and nothing is left to do, and
+// returns the id of the clip.
+std::string BuildOneClip(OneServer& server, storage::MotionStore& store) {
+  Create(server, "d");
+  Ingest(server, "walk", 0.1);
+  Await([&] { return Serves(server, 1); });
+  Await([&] { return store.ListUnfinishedOperations()->empty(); });
+  return Require(store.ListClips("d", {.after = "", .limit = 1}))[0].id;
+}
+
 int VersionOf(OneServer& server) {
   return Require(server.engine->FindDatabase("d"))->lifecycle().snapshot()->record.version;
 }
@@ -145,6 +184,9 @@ TEST_CASE("Engines on one store: each serves what the others change", "[server][
     const auto live = Require(b.engine->FindDatabase("d"));
     return live->lifecycle().served().revision >= edited.revision;
   });
+  CHECK(Require(b.engine->FindDatabase("d"))->seen_revision() == edited.revision);
+  CHECK(b.engine->SecondsSinceLook() > 0);
+  CHECK(b.engine->SecondsSinceLook() < 10);
 
   REQUIRE_OK(b.engine->DeleteDatabase("d"));
   Await([&] {
@@ -174,12 +216,18 @@ TEST_CASE("Engines on one store: a builder that stops is replaced and publishes 
   CHECK(std::chrono::steady_clock::now() - began < seconds(10));
   Await([&] { return StateOf(b, operation.id) == OperationState::kSucceeded; });
   const auto models = store->ListModels("d", 0, 10)->size();
+  CHECK(LeasesOf(a).acquired == 1);
+  CHECK(LeasesOf(b).acquired >= 1);
+  CHECK(LeasesOf(b).refused >= 1);
   Ingest(b, "walk", 0.2);
   Await([&] { return Serves(b, 2); });
   a.is_stopped = false;
   a.model_gate->Open();
   Await([&] { return Serves(a, 2); });
   CHECK(VersionOf(a) == VersionOf(b));
+  CHECK(LeasesOf(a).lost == 1);
+  CHECK_FALSE(LeasesOf(a).is_held);
+  CHECK(LeasesOf(b).lost == 0);
   CHECK(store->ListModels("d", 0, 10)->size() == models + 1);
   CHECK(StateOf(a, operation.id) == OperationState::kSucceeded);
 }
@@ -201,6 +249,22 @@ TEST_CASE("Engines on one store: looks soon after each notification, once after 
   CHECK(a.look_count < 5 * kRounds);
 }
 
+TEST_CASE("Engines on one store: a model is replaced while a server that starts reads it",
+          "[server][servers]") {
+  const auto store = NewStore();
+  OneServer a(store);
+  Create(a, "d");
+  Ingest(a, "walk", 0.1);
+  Await([&] { return Serves(a, 1); });
+  OneServer b(store, TestEngine::QuickOptions(), [&] {
+    Ingest(a, "walk", 0.2);
+    Await([&] { return Serves(a, 2); });
+  });
+  const auto served = Require(b.engine->FindDatabase("d"))->lifecycle().snapshot();
+  REQUIRE(served != nullptr);
+  CHECK(static_cast<std::size_t>(served->record.clip_count) == served->model.clips().size());
+}
+
 TEST_CASE("Engines on one store: a build is cancelled on any server", "[server][servers]") {
   const auto store = NewStore();
   OneServer a(store);
@@ -218,10 +282,101 @@ TEST_CASE("Engines on one store: a build is cancelled on any server", "[server][
   CHECK(store->GetOperation(operation.id)->state == OperationState::kCancelled);
 }
 
+TEST_CASE("Engines on one store: space is freed after an outage", "[server][servers]") {
+  const auto store = NewStore();
+  OneServer a(store);
+  Create(a, "d");
+  Await([&] { return a.purge_count == 1; });  // at the start
+  a.is_stopped = true;
+  Await([&] {
+    a.engine->LookNow();
+    return a.engine->SecondsSinceLook() > 0.5;
+  });
+  REQUIRE_OK(a.engine->DeleteDatabase("d"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK(a.purge_count == 1);
+  a.is_stopped = false;
+  Await([&] { return a.purge_count == 2; });
+}
+
+// Changes a stored clip as a server of another version, or with another clock, would.
+template <typename Change>
+void ChangeClip(storage::MotionStore& store, const std::string& id, const Change& change) {
+  storage::DerivedClip derived{.record = Require(store.GetClip("d", id)), .states = std::nullopt};
+  change(derived.record);
+  REQUIRE(Require(store.PutDerived("d", std::span(&derived, 1))).size() == 1);
+}
+
+TEST_CASE("Engines on one store: a server does not build clips of a newer version",
+          "[server][servers]") {
+  const auto store = NewStore();
+  OneServer old(store);
+  const std::string clip = BuildOneClip(old, *store);
+  const int version = VersionOf(old);
+  const auto set_version = [&](int representation) {
+    ChangeClip(*store, clip, [&](storage::ClipRecord& record) {
+      record.representation_version = record.tried_version = representation;
+    });
+  };
+  set_version(core::kRepresentationVersion + 1);
+  const auto operation = Ingest(old, "walk", 0.2);
+  const auto reprocess = Require(old.engine->ReprocessDatabase("d"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  CHECK_FALSE(store->GetOperation(operation.id)->done());
+  CHECK_FALSE(store->GetOperation(reprocess.id)->done());
+  CHECK(VersionOf(old) == version);
+  CHECK(store->GetClip("d", clip)->representation_version == core::kRepresentationVersion + 1);
+  set_version(core::kRepresentationVersion);
+  Await([&] { return Serves(old, 2); });
+  Await([&] { return store->GetOperation(operation.id)->state == OperationState::kSucceeded; });
+}
+
+TEST_CASE("Engines on one store: an older server does not replace a model of a newer version",
+          "[server][servers]") {
+  auto options = TestEngine::QuickOptions();
+  options.extend_from = std::chrono::duration<double>(GENERATE(0, 3600));
+  const auto store = NewStore();
+  OneServer old(store, options);
+  BuildOneClip(old, *store);
+  old.is_old = true;
+  const int version = VersionOf(old);
+  {
+    OneServer newer(store, options);
+    Ingest(newer, "walk", 0.2);
+    Await([&] { return Serves(newer, 2); });
+    const auto operation = Ingest(old, "walk", 0.3);
+    Await([&] { return Serves(newer, 3); });
+    Await([&] { return store->GetOperation(operation.id)->state == OperationState::kSucceeded; });
+    CHECK(Require(store->ListModels("d", 0, 1))[0].version == VersionOf(newer));
+    CHECK(VersionOf(old) == version);
+  }
+  const int newest = Require(store->ListModels("d", 0, 1))[0].version;
+  const auto operation = Ingest(old, "walk", 0.4);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  CHECK_FALSE(store->GetOperation(operation.id)->done());
+  CHECK(Require(store->ListModels("d", 0, 1))[0].version == newest);
+  CHECK(VersionOf(old) == version);
+  old.is_old = false;
+  Await([&] { return Serves(old, 4); });
+}
+
+TEST_CASE("Engines on one store: a clip of a server whose clock is ahead is derived again",
+          "[server][servers]") {
+  const auto store = NewStore();
+  OneServer a(store);
+  const std::string clip = BuildOneClip(a, *store);
+  std::int64_t tried_us = 0;
+  ChangeClip(*store, clip,
+             [&](storage::ClipRecord& record) { tried_us = record.tried_time_us += 8'000'000; });
+  const auto operation = Require(a.engine->ReprocessDatabase("d"));
+  Await([&] { return store->GetOperation(operation.id)->done(); });
+  CHECK(store->GetClip("d", clip)->tried_time_us < tried_us);
+}
+
 TEST_CASE("Engines on one store: only servers that build do so", "[server][servers]") {
   const auto store = NewStore();
   auto options = TestEngine::QuickOptions();
-  options.builds = false;
+  options.work = server::ServerWork::kServe;
   OneServer serves(store, options);
   Create(serves, "d");
   const auto operation = Ingest(serves, "walk", 0.1);

@@ -22,9 +22,10 @@ using nlohmann::json;
 
 constexpr char kUpload[] = "/motiondb.v1.ClipService/UploadClip";
 
-void SendStreamRequest(WebClient& client, const std::string& path, const json& request) {
-  REQUIRE(client.Send(HttpText("POST", path, {{"Content-Type", "application/connect+json"}},
-                               EnvelopeText(0, request.dump()))));
+void SendStreamRequest(WebClient& client, const std::string& path, const json& request,
+                       Headers headers = {}) {
+  headers.emplace_back("Content-Type", "application/connect+json");
+  REQUIRE(client.Send(HttpText("POST", path, headers, EnvelopeText(0, request.dump()))));
 }
 
 // Returns the messages of a stream, and its end.
@@ -86,6 +87,32 @@ TEST_CASE("Gateway: WatchDatabase sends changes until the database is deleted",
     walks += 10;
   }
   CHECK(walks > 10);
+}
+
+TEST_CASE("Gateway: calls that wait end at their deadline", "[server][gateway]") {
+  WebServer server;
+  server->CreateTrained("db");
+  WebClient client(server.address());
+  SendStreamRequest(client, "/motiondb.v1.DatabaseService/WatchDatabase",
+                    {{"name", "databases/db"}}, {{"Connect-Timeout-Ms", "300"}});
+  const auto begin = std::chrono::steady_clock::now();
+  const auto [messages, end] = ReadStream(client);
+  CHECK(end["error"]["code"] == "deadline_exceeded");
+  CHECK(std::chrono::steady_clock::now() - begin >= std::chrono::milliseconds(250));
+  AwaitOpenStreams(server, 0);
+
+  // A wait for an operation ends before the deadline, with the operation as it is.
+  server->gate().Close();
+  const auto ingested = server->IngestFigure("db", "more", "walk", {.phase = 2});
+  const HttpReply waited =
+      Post(server.address(), "/motiondb.v1.OperationService/WaitOperation",
+           {{"Content-Type", "application/json"}, {"Connect-Timeout-Ms", "500"}},
+           json{{"name", ingested.operation().name()}}.dump());
+  INFO(waited.body);
+  REQUIRE(waited.status == 200);
+  CHECK(json::parse(waited.body)["operation"]["state"] == "OPERATION_STATE_RUNNING");
+  server->gate().Open();
+  server->Wait(ingested.operation().name());
 }
 
 TEST_CASE("Gateway: a spectator of a stream gets its answers", "[server][gateway]") {

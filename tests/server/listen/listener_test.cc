@@ -70,6 +70,15 @@ std::string CallHeaders(const std::string& path) {
 
 constexpr char kListDatabases[] = "/motiondb.v1.DatabaseService/ListDatabases";
 
+// The beginning of a GOAWAY frame, without its length.
+std::string GoAway(std::uint32_t last_stream) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) {
+    bytes += static_cast<char>(last_stream >> shift & 0xff);
+  }
+  return Http2Frame(7, 0, 0, bytes).substr(3);
+}
+
 TEST_CASE("Listener: an address in use is reported", "[server][http2]") {
   TestServer server;
   server::ConnectionMeter meter;
@@ -96,10 +105,28 @@ TEST_CASE("Listener: closing while its timers expire ends all threads", "[server
   listeners.clear();  // must return
 }
 
+TEST_CASE("Listener: a drain refuses connections, and serves calls of the others at first",
+          "[server][http2]") {
+  TestServer server;
+  Client client(server.server().address());
+  client.Send(kHttp2Preface + kHttp2Settings + Http2Frame(6, 0, 0, "received"));
+  client.ReadUntil(Http2Frame(6, 1, 0, "received"));
+  std::thread draining([&] { server.server().Drain(std::chrono::seconds(10)); });
+  client.ReadUntil(GoAway(0x7fffffff));
+  CHECK_THROWS(Client(server.server().address()));
+  client.Send(Http2Frame(1, 4, 1, CallHeaders(kListDatabases)) +
+              Http2Frame(0, 1, 1, std::string(5, '\0')));
+  const std::string received = client.ReadAll();
+  // The headers of an answer with a message; an error would also end the stream.
+  CHECK(received.find(Http2Frame(1, 4, 1, "").substr(3)) != std::string::npos);
+  CHECK(received.find(GoAway(1)) != std::string::npos);
+  draining.join();
+}
+
 // Otherwise gRPC, which is shut down by then, would crash.
 TEST_CASE("Listener: no call begins once the listener closes", "[server][http2]") {
   constexpr int kCalls = 40;
-  constexpr int kFirstMessage = 2;  // ms after the GOAWAY
+  constexpr int kFirstMessage = 2;  // ms after the last GOAWAY
   TestServer server;
   Client client(server.server().address());
   std::string calls = kHttp2Preface + kHttp2Settings;
@@ -109,7 +136,7 @@ TEST_CASE("Listener: no call begins once the listener closes", "[server][http2]"
   client.Send(calls + Http2Frame(6, 0, 0, "received"));
   client.ReadUntil(Http2Frame(6, 1, 0, "received"));
   std::thread draining([&] { server.server().Drain(std::chrono::seconds(10)); });
-  client.ReadUntil(Http2Frame(7, 0, 0, std::string("\0\0\0", 3)).substr(3, 6));
+  client.ReadUntil(GoAway(2 * kCalls - 1));
   for (int i = 0; i < kCalls; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(kFirstMessage));
     client.Send(Http2Frame(0, 1, 2 * i + 1, std::string(5, '\0')));

@@ -74,6 +74,45 @@ TEST_CASE("MetricFamilies: failed writes by reason, and heavy calls", "[server][
                        Contains("motiondb_ended_connections_total 7\n"));
 }
 
+TEST_CASE("MetricFamilies: a store that several servers share", "[server][metrics]") {
+  CHECK_THAT(Text({}), Contains("motiondb_store_look_age_seconds 0\n") &&
+                           Contains("motiondb_store_sessions_total{outcome=\"failed\"} 0\n"));
+  ServerStatistics figures;
+  figures.look_age_seconds = 0.5;
+  figures.store_connections = {.max_readers = 4,
+                               .open_readers = 3,
+                               .leased_readers = 2,
+                               .waiting_reads = 7,
+                               .waited_reads = 8,
+                               .wait_seconds = 1.5,
+                               .opened_sessions = 5,
+                               .failed_sessions = 6};
+  figures.databases.push_back({.name = "walks",
+                               .model = storage::ModelRecord{.version = 3},
+                               .leases = {true, 4, 3, 2},
+                               .missing_revisions = 9});
+  figures.databases.push_back({.name = "empty"});
+  const std::string text = Text(figures);
+  CHECK_THAT(text, Contains("motiondb_store_look_age_seconds 0.5\n") &&
+                       Contains("motiondb_store_readers{state=\"in_use\"} 2\n") &&
+                       Contains("motiondb_store_readers{state=\"idle\"} 1\n") &&
+                       Contains("motiondb_store_max_readers 4\n") &&
+                       Contains("motiondb_store_waiting_reads 7\n") &&
+                       Contains("motiondb_store_read_wait_seconds_count 8\n") &&
+                       Contains("motiondb_store_read_wait_seconds_sum 1.5\n") &&
+                       Contains("motiondb_store_sessions_total{outcome=\"opened\"} 5\n") &&
+                       Contains("motiondb_store_sessions_total{outcome=\"failed\"} 6\n"));
+  const auto lease = [](const char* outcome) {
+    return "motiondb_build_leases_total{database=\"walks\",outcome=\"" + std::string(outcome) +
+           "\"} ";
+  };
+  CHECK_THAT(text, Contains("motiondb_build_lease_held{database=\"walks\"} 1\n") &&
+                       Contains(lease("acquired") + "4\n") && Contains(lease("refused") + "3\n") &&
+                       Contains(lease("lost") + "2\n"));
+  CHECK_THAT(text, Contains("motiondb_model_missing_revisions{database=\"walks\"} 9\n") &&
+                       !Contains("motiondb_model_missing_revisions{database=\"empty\"}"));
+}
+
 TEST_CASE("MetricFamilies: the expiry of the certificate, 0 without one", "[server][metrics]") {
   CHECK_THAT(Text({}), Contains("motiondb_certificate_end_time_seconds 0\n"));
   CHECK_THAT(Text({.certificate_expiry_s = 1'800'000'000}),

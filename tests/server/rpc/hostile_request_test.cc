@@ -254,10 +254,11 @@ TEST_CASE("Hostile request: a client that does not read its series is disconnect
   series.mutable_prediction()->set_database("databases/db");
   *series.mutable_prediction()->mutable_observation() = victim.Markers(2'500);
   series.set_every_seconds(1.0 / 60);
-  // Large responses: the flow-control window has room for few.
+  // Large responses: the flow-control window has room for few of them.
   for (int h = 1; h <= 100; ++h) series.mutable_prediction()->add_horizon_seconds(0.01 * h);
+  const auto stub = v1::QueryService::NewStub(victim.server().NewSmallChannel());
   grpc::ClientContext context;
-  const auto reader = victim.query().PredictSeries(&context, series);
+  const auto reader = stub->PredictSeries(&context, series);
   v1::PredictSeriesResponse moment;
   REQUIRE(reader->Read(&moment));
   // Then its slot is free.

@@ -1,6 +1,4 @@
 // Files that motiondb-import reads for the server, and export in other formats.
-#include <zlib.h>
-
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -12,6 +10,7 @@
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/error.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
+#include "tests/support/compressed.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests::import_formats_test {
@@ -39,21 +38,6 @@ std::string Written(FileFormat format, const StickFigure& figure) {
   INFO(written.status());
   REQUIRE(written.ok());
   return std::move(written->bytes);
-}
-
-std::string Compressed(const std::string& bytes) {
-  constexpr int kGzip = 16 + MAX_WBITS;
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string packed(deflateBound(&stream, bytes.size()) + 64, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
 }
 
 struct ExportedFile {

@@ -92,12 +92,12 @@ void CheckThirdStream(const server::CallLimit& two, const std::string& setting) 
 
 TEST_CASE("Limits: streams above the total limit are refused until one has ended",
           "[server][limits]") {
-  CheckThirdStream({.in_all = 2, .per_client = 8}, "--max-streams");
+  CheckThirdStream({.in_all = 2, .per_client = 8}, "a quarter of --max-calls");
 }
 
 TEST_CASE("Limits: streams above the limit of a client are refused until one has ended",
           "[server][limits]") {
-  CheckThirdStream({.in_all = 8, .per_client = 2}, "a quarter of --max-streams");
+  CheckThirdStream({.in_all = 8, .per_client = 2}, "a 16th of --max-calls");
 }
 
 TEST_CASE("Limits: a call with too much metadata is refused, and other calls continue",

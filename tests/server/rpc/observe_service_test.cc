@@ -239,7 +239,7 @@ TEST_CASE("Observe: the server stops reading from a client that does not read", 
   TestServer server;
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
-  Stream stream(server);
+  Stream stream(server.NewSmallChannel());
   REQUIRE(stream.Send(StartOfLargeAnswers(motion)));
   // Far more than the flow-control windows of both directions.
   constexpr int kMessages = 3000;
@@ -277,7 +277,7 @@ TEST_CASE("Observe: a client that reads no responses is disconnected", "[server]
   TestServer server(options);
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
-  Stream stream(server);
+  Stream stream(server.NewSmallChannel());
   REQUIRE(stream.Send(StartOfLargeAnswers(motion)));
   std::int64_t sent = 0;
   while (stream.Send(

@@ -54,7 +54,9 @@ inline v1::ObserveRequest StartOfLargeAnswers(const v1::MarkerObservation& motio
 class Stream {
  public:
   explicit Stream(TestServer& server, const std::string& token = "")
-      : stub_(server.NewStub<v1::ObserveService>()) {
+      : Stream(server.channel(), token) {}
+  explicit Stream(const std::shared_ptr<grpc::Channel>& channel, const std::string& token = "")
+      : stub_(v1::ObserveService::NewStub(channel)) {
     if (!token.empty()) context_.AddMetadata("authorization", "Bearer " + token);
     call_ = stub_->Observe(&context_);
   }

@@ -159,6 +159,10 @@ TEST_CASE("Security: the error names an invalid TLS file", "[security]") {
   options = {};
   options.tls.client_ca = files.authority.certificate();
   CHECK_THAT(Message(options), Catch::Contains("tls-client-ca needs tls-certificate"));
+  CHECK_THAT(Message({.peer_ca = files.authority.certificate()}),
+             Catch::Contains("tls-peer-ca needs tls-certificate"));
+  CHECK_THAT(Message({.peer_name = "motiondb"}),
+             Catch::Contains("tls-peer-name needs tls-certificate"));
   CHECK_THAT(Message({.certificate_role = storage::Role::kReader}),
              Catch::Contains("certificate-role needs tls-client-ca"));
 }

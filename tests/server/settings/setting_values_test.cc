@@ -7,6 +7,7 @@
 
 #include "server/settings/settings_reader.h"
 #include "tests/server/settings/settings_fixture.h"
+#include "tests/support/certificates.h"
 #include "tests/support/temporary_directory.h"
 
 namespace motiondb::tests::setting_values_test {
@@ -210,6 +211,22 @@ TEST_CASE("Settings: addresses are HOST:PORT", "[settings]") {
   }
 }
 
+TEST_CASE("Settings: other servers reach the advertised address", "[settings]") {
+  for (const char* const good :
+       {"", "10.0.0.2:50051", "[fd00::1]:1", "robot-1.example.org:65535"}) {
+    SettingsReader reader;
+    CHECK(ReadSettings(reader, {"--store", "/s.db", "--advertise", good}).empty());
+    CHECK(reader.settings().server.advertise == good);
+  }
+  for (const char* const bad : {"10.0.0.2", "10.0.0.2:0", "0.0.0.0:50051", "[::]:1", "a b", ":1"}) {
+    SettingsReader reader;
+    CAPTURE(bad);
+    const auto problems = ReadSettings(reader, {"--store", "/s.db", "--advertise", bad});
+    REQUIRE(problems.size() == 1);
+    CHECK_THAT(problems[0], Catch::Contains("advertise") && Catch::Contains(bad));
+  }
+}
+
 TEST_CASE("Settings: units match the names", "[settings]") {
   SettingsReader reader;
   CHECK(ReadSettings(reader, {"--store", "/s.db", "--max-file-mib", "3", "--max-message-mib", "5",
@@ -222,19 +239,58 @@ TEST_CASE("Settings: units match the names", "[settings]") {
   CHECK(settings.grace == std::chrono::milliseconds(1500));
 }
 
+TEST_CASE("Settings: servers of one store share the work, a server of a file does all",
+          "[settings]") {
+  SettingsReader both;
+  CHECK(ReadSettings(both, {"--store", "postgresql://h/d", "--model-memory", "3"}).empty());
+  CHECK(both.settings().server.engine.work == server::ServerWork::kBoth);
+  CHECK(both.settings().server.engine.model_memory_bytes == std::int64_t{3} << 20);
+  SettingsReader serve;
+  CHECK(ReadSettings(serve, {"--store", "postgresql://h/d", "--work", "serve"}).empty());
+  CHECK(serve.settings().server.engine.work == server::ServerWork::kServe);
+  CHECK_FALSE(serve.settings().server.engine.builds());
+  SettingsReader file;
+  REQUIRE(ReadSettings(file, {"--store", "/s.db", "--work", "build"}).empty());
+  const auto problems = file.CheckForStart();
+  REQUIRE(problems.size() == 1);
+  CHECK_THAT(std::string(problems[0].message()), Catch::Contains("work: expected both"));
+}
+
+TEST_CASE("Settings: certificates of other servers need a store that servers share", "[settings]") {
+  const TemporaryDirectory directory;
+  const Authority authority(directory / "", "authority");
+  const KeyPairFiles pair = authority.Issue("server", "motiondb");
+  const auto problems = [&](const std::string& store, const std::string& option) {
+    SettingsReader reader;
+    REQUIRE(ReadSettings(reader, {"--store", store, "--tls-certificate", pair.certificate,
+                                  "--tls-key", pair.key, option, authority.certificate()})
+                .empty());
+    std::string messages;
+    for (const absl::Status& problem : reader.CheckForStart()) {
+      messages += std::string(problem.message());
+    }
+    return messages;
+  };
+  for (const std::string name : {"tls-peer-ca", "tls-peer-name"}) {
+    CHECK(problems("postgresql://h/d", "--" + name).empty());
+    CHECK_THAT(problems("/s.db", "--" + name),
+               Catch::StartsWith(name + ": expected no value, because a file"));
+  }
+}
+
 TEST_CASE("Settings: one client may have a quarter of the calls, at least one", "[settings]") {
   for (const auto& [all, own] :
        {std::pair{"1", 1}, std::pair{"7", 1}, std::pair{"8", 2}, std::pair{"4000", 1000}}) {
     CAPTURE(all);
     SettingsReader reader;
-    REQUIRE(ReadSettings(reader, {"--store", "/s.db", "--max-calls", all, "--max-heavy-calls", all,
-                                  "--max-streams", all})
+    REQUIRE(ReadSettings(reader, {"--store", "/s.db", "--max-calls", all, "--max-heavy-calls", all})
                 .empty());
     const server::CallLimitOptions& calls = reader.settings().server.calls;
     CHECK(calls.calls.in_all == std::stoi(all));
     CHECK(calls.calls.per_client == own);
     CHECK(calls.heavy.per_client == own);
-    CHECK(calls.streams.per_client == own);
+    CHECK(calls.streams.in_all == own);
+    CHECK(calls.streams.per_client == std::max(1, own / 4));
   }
   for (const char* const bad : {"0", "1.5", "-1", "1000001"}) {
     CAPTURE(bad);

@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "motiondb/v1/plan.pb.h"
+#include "motiondb/v1/view.pb.h"
+#include "tests/support/packed_floats.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::server::plan_message_test {
@@ -131,6 +133,47 @@ TEST_CASE("PlanMessage: files have the names of their formats", "[server][transl
   v1::PlanResponse bare;
   REQUIRE(Set(answer, false, bare, body).ok());
   CHECK(!bare.motion().has_file());
+}
+
+TEST_CASE("PlanMessage: visual shapes of a robot, with the rotations of its joints",
+          "[server][translate]") {
+  core::PlanAnswer answer;
+  answer.motions = {Motion()};
+  PlanBody body{.skeleton = Arm(), .is_robot = true};
+  // The elbow turns about x: 0.5 rad in both frames. The base turns about another axis.
+  core::JointMatrix angles = core::JointMatrix::Zero(2, 6);
+  angles.col(2).setConstant(0.5);
+  answer.motions[0].joints = core::JointMotion{body.skeleton, 30, angles};
+  v1::PlanResponse plain;
+  REQUIRE(Set(answer, false, plain, body).ok());
+  CHECK(plain.motion().joint_visuals().empty());
+  CHECK(plain.motion().joint_rotations().empty());
+  core::LinkVisual cylinder{
+      .joint = 1, .geometry = core::LinkVisual::Geometry::kCylinder, .size_m = {0.25, 0.25, 1.5}};
+  cylinder.joint_from_shape.translation() = Eigen::Vector3d(1, 2, 3);
+  core::LinkVisual red = cylinder;
+  red.color = Eigen::Vector4d(1, 0.25, 0, 0.5);
+  body.visuals = {cylinder, red};
+  v1::PlanResponse drawn;
+  REQUIRE(Set(answer, false, drawn, body).ok());
+  REQUIRE(drawn.motion().joint_visuals_size() == 2);
+  const v1::LinkVisual& visual = drawn.motion().joint_visuals(0);
+  const auto floats = [](const auto& values) {
+    return std::vector<float>(values.begin(), values.end());
+  };
+  CHECK(visual.joint() == 1);
+  CHECK(visual.geometry() == v1::VISUAL_GEOMETRY_CYLINDER);
+  CHECK(floats(visual.size_m()) == std::vector<float>{0.25, 0.25, 1.5});
+  CHECK(floats(visual.position_m()) == std::vector<float>{1, 2, 3});
+  CHECK(floats(visual.rotation()) == std::vector<float>{0, 0, 0, 1});
+  CHECK(visual.color().empty());
+  CHECK(floats(drawn.motion().joint_visuals(1).color()) == std::vector<float>{1, 0.25, 0, 0.5});
+  const std::vector<float> rotations = tests::Unpack(drawn.motion().joint_rotations());
+  REQUIRE(rotations.size() == 2 * 4 * 4);
+  for (const std::size_t elbow : {4U, 20U}) {
+    CHECK(rotations[elbow] == Approx(std::sin(0.25)).margin(1e-6));
+    CHECK(rotations[elbow + 3] == Approx(std::cos(0.25)).margin(1e-6));
+  }
 }
 
 TEST_CASE("PlanMessage: joint limits, efforts and balance", "[server][translate]") {

@@ -31,7 +31,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "server/engine/memory_reserve.h"
+#include "server/engine/work/memory_reserve.h"
 #include "server/listen/listen_on.h"
 #include "server/listen/listener.h"
 #include "server/migrate_command.h"

@@ -15,7 +15,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 #include "server/gateway/gateway.h"
 #include "server/http2/call_bridge.h"
 #include "server/http2/connection.h"

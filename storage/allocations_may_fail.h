@@ -1,6 +1,6 @@
 // Marks work that may fail if memory runs out: it throws std::bad_alloc, and the caller gets a
 // status. For all other work the process may keep a memory reserve
-// (server/engine/memory_reserve.h).
+// (server/engine/work/memory_reserve.h).
 #pragma once
 
 namespace motiondb::storage {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/engine/executor.h"
+#include "server/engine/work/executor.h"
 #include "storage/motion_store.h"
 #include "storage/mutex.h"
 

@@ -4,8 +4,8 @@
 
 #include "core/calibration/model_difference.h"
 #include "core/motion/error.h"
-#include "server/engine/clock.h"
 #include "server/engine/stored_clips.h"
+#include "server/engine/work/clock.h"
 
 namespace motiondb::server {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/motion/error.h"
 #include "server/engine/audit_trail.h"
 #include "server/engine/build_lease.h"
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 
 namespace motiondb::server {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/engine/clock.h"
 #include "server/engine/engine.h"
+#include "server/engine/work/clock.h"
 
 namespace motiondb::server {
 namespace {

@@ -17,7 +17,7 @@
 #include "core/motion/marker_set.h"
 #include "server/engine/change_signal.h"
 #include "server/engine/database_catalog.h"
-#include "server/engine/options.h"
+#include "server/engine/work/options.h"
 #include "storage/cancellable_lock.h"
 #include "storage/mutex.h"
 #include "storage/records.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/engine/executor.h"
+#include "server/engine/work/executor.h"
 #include "storage/records.h"
 
 namespace motiondb::server {

@@ -5,10 +5,10 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
-#include "server/engine/clock.h"
 #include "server/engine/live_database.h"
-#include "server/engine/operation_registry.h"
-#include "server/engine/options.h"
+#include "server/engine/work/clock.h"
+#include "server/engine/work/operation_registry.h"
+#include "server/engine/work/options.h"
 #include "storage/cancellable_lock.h"
 
 namespace motiondb::server {

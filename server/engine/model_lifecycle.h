@@ -70,9 +70,9 @@
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
 #include "server/engine/build_lease.h"
-#include "server/engine/executor.h"
 #include "server/engine/missed_build.h"
 #include "server/engine/snapshot.h"
+#include "server/engine/work/executor.h"
 #include "storage/mutex.h"
 #include "storage/records.h"
 

@@ -10,9 +10,9 @@
 #include "server/engine/compute_model.h"
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
-#include "server/engine/operation_registry.h"
 #include "server/engine/stored_clips.h"
-#include "server/engine/without_exceptions.h"
+#include "server/engine/work/operation_registry.h"
+#include "server/engine/work/without_exceptions.h"
 #include "storage/blob/newer_format.h"
 
 namespace motiondb::server {

@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "core/motion/error.h"
-#include "server/engine/thread_pool.h"
+#include "server/engine/work/thread_pool.h"
 #include "server/gateway/connect_request.h"
 #include "server/gateway/gateway_call.h"
 #include "server/gateway/openapi_json.h"

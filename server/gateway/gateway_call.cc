@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "server/engine/memory_reserve.h"
+#include "server/engine/work/memory_reserve.h"
 #include "server/gateway/connect_error.h"
 #include "server/gateway/envelope.h"
 #include "server/gateway/gzip.h"

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/engine/thread_pool.h"
+#include "server/engine/work/thread_pool.h"
 #include "server/gateway/connect_request.h"
 #include "server/http1/http_exchange.h"
 #include "server/http2/call_bridge.h"

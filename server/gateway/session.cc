@@ -11,7 +11,7 @@
 
 #include "absl/strings/ascii.h"
 #include "core/motion/error.h"
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 #include "server/gateway/connect_error.h"
 #include "server/gateway/header_value.h"
 #include "server/gateway/page_answer.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <variant>
 
-#include "server/engine/thread_pool.h"
+#include "server/engine/work/thread_pool.h"
 #include "server/http1/http_exchange.h"
 #include "server/rpc/service_context.h"
 

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/engine/thread_pool.h"
+#include "server/engine/work/thread_pool.h"
 #include "server/listen/listen_on.h"
 
 namespace motiondb::server {

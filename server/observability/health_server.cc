@@ -6,7 +6,7 @@
 #include <exception>
 #include <utility>
 
-#include "server/engine/memory_reserve.h"
+#include "server/engine/work/memory_reserve.h"
 #include "server/observability/log.h"
 
 namespace motiondb::server {

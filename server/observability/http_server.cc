@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "server/engine/thread_pool.h"
+#include "server/engine/work/thread_pool.h"
 #include "server/http1/http1_connection.h"
 #include "server/listen/listener.h"
 #include "server/security/security_options.h"

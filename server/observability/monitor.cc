@@ -11,9 +11,9 @@
 #include <mutex>
 #include <utility>
 
-#include "server/engine/clock.h"
 #include "server/engine/engine.h"
 #include "server/engine/snapshot.h"
+#include "server/engine/work/clock.h"
 #include "server/observability/log.h"
 #include "server/observability/server_statistics.h"
 #include "storage/read_scope.h"

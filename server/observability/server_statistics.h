@@ -10,7 +10,7 @@
 
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
-#include "server/engine/workers.h"
+#include "server/engine/work/workers.h"
 #include "server/observability/call_meter.h"
 #include "storage/motion_store.h"
 #include "storage/records.h"

@@ -2,7 +2,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/access.grpc.pb.h"
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/translate/access_message.h"

@@ -3,7 +3,7 @@
 #include <exception>
 #include <new>
 
-#include "server/engine/memory_reserve.h"
+#include "server/engine/work/memory_reserve.h"
 #include "server/translate/status_mapping.h"
 #include "storage/read_scope.h"
 

@@ -15,7 +15,7 @@
 #include "core/motion/cancellation.h"
 #include "core/motion/error.h"
 #include "server/engine/engine.h"
-#include "server/engine/query.h"
+#include "server/engine/query/query.h"
 #include "server/engine/representation.h"
 #include "server/observability/log.h"
 #include "server/rpc/call_context.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 #include "server/observability/log.h"
 #include "server/rpc/call.h"
 #include "server/rpc/call_identity.h"

@@ -4,7 +4,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.grpc.pb.h"
-#include "server/engine/export_clip.h"
+#include "server/engine/query/export_clip.h"
 #include "server/filter/listing.h"
 #include "server/rpc/edit_call.h"
 #include "server/rpc/services.h"

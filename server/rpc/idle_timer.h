@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "server/engine/executor.h"
+#include "server/engine/work/executor.h"
 
 namespace motiondb::server {
 

@@ -5,7 +5,7 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
-#include "server/engine/operation_wait.h"
+#include "server/engine/work/operation_wait.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/translate/message_fields.h"

@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "motiondb/v1/observe.grpc.pb.h"
-#include "server/engine/executor.h"
+#include "server/engine/work/executor.h"
 #include "server/security/security_options.h"
 #include "storage/motion_store.h"
 #include "storage/mutex.h"

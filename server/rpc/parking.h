@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "server/engine/change_signal.h"
-#include "server/engine/executor.h"
+#include "server/engine/work/executor.h"
 #include "server/rpc/idle_timer.h"
 #include "storage/mutex.h"
 

@@ -2,7 +2,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/query.grpc.pb.h"
-#include "server/engine/plan_query.h"
+#include "server/engine/query/plan_query.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"

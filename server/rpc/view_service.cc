@@ -9,7 +9,7 @@
 #include "core/motion/error.h"
 #include "core/view/node_summary.h"
 #include "motiondb/v1/view.grpc.pb.h"
-#include "server/engine/clip_motion.h"
+#include "server/engine/query/clip_motion.h"
 #include "server/rpc/model_lookup.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"

@@ -8,7 +8,7 @@
 #include "absl/strings/match.h"
 #include "core/motion/error.h"
 #include "server/engine/audit_trail.h"
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 #include "server/security/secret.h"
 #include "server/translate/status_mapping.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "server/engine/executor.h"
+#include "server/engine/work/executor.h"
 #include "storage/access_store.h"
 
 namespace motiondb::server {

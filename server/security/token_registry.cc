@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 #include "server/security/secret.h"
 #include "text/display_text.h"
 

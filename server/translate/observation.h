@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "server/engine/observation.h"
-#include "server/engine/observe_session.h"
+#include "server/engine/query/observation.h"
+#include "server/engine/query/observe_session.h"
 
 namespace motiondb::v1 {
 class MarkerObservation;

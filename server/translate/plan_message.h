@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/motion/skeleton.h"
-#include "server/engine/plan_query.h"
+#include "server/engine/query/plan_query.h"
 
 namespace motiondb::core {
 class Model;

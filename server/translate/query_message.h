@@ -13,8 +13,8 @@
 #include "core/prediction/predict.h"
 #include "core/recognition/find_motion.h"
 #include "core/recognition/recognize.h"
-#include "server/engine/prediction_series.h"
-#include "server/engine/query.h"
+#include "server/engine/query/prediction_series.h"
+#include "server/engine/query/query.h"
 
 namespace motiondb::v1 {
 class EstimateRequest;

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "server/engine/clip_motion.h"
+#include "server/engine/query/clip_motion.h"
 #include "server/engine/snapshot.h"
 #include "server/translate/model_message.h"
 

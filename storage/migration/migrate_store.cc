@@ -3,8 +3,8 @@
 #include "core/motion/error.h"
 #include "storage/migration/migration_end.h"
 #include "storage/migration/store_comparison.h"
-#include "storage/sql/row_copy.h"
-#include "storage/sql/transaction.h"
+#include "storage/sql/connection/transaction.h"
+#include "storage/sql/tables/row_copy.h"
 
 namespace motiondb::storage {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sqlite/store_lock.h"
 
 namespace motiondb::storage {

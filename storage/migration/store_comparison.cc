@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "storage/sql/copied_tables.h"
+#include "storage/sql/tables/copied_tables.h"
 
 namespace motiondb::storage {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/motion/cancellation.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 

@@ -23,7 +23,7 @@
 #include "absl/status/statusor.h"
 #include "storage/postgres/postgres_connector.h"
 #include "storage/postgres/postgres_statement.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 

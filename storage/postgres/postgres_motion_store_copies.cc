@@ -5,10 +5,10 @@
 
 #include "core/motion/error.h"
 #include "storage/postgres/postgres_motion_store.h"
-#include "storage/sql/copied_tables.h"
-#include "storage/sql/database_table.h"
-#include "storage/sql/row_copy.h"
 #include "storage/sql/sql_motion_store_work.h"
+#include "storage/sql/tables/copied_tables.h"
+#include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/row_copy.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/sqlite_backup.h"
 #include "storage/sqlite/sqlite_import.h"

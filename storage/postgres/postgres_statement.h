@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/sql/statement.h"
+#include "storage/sql/connection/statement.h"
 
 namespace motiondb::storage {
 

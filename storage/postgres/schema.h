@@ -5,7 +5,7 @@
 #include <span>
 
 #include "absl/status/statusor.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 

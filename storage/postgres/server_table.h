@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "storage/records.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 

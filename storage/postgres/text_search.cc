@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/motion/error.h"
-#include "storage/sql/database_table.h"
+#include "storage/sql/tables/database_table.h"
 
 namespace motiondb::storage {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "storage/annotation_store.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/text_query.h"
 
 namespace motiondb::storage {

@@ -18,12 +18,12 @@
 #include "core/motion/error.h"
 #include "storage/motion_store.h"
 #include "storage/mutex.h"
-#include "storage/sql/connection.h"
-#include "storage/sql/reader_pool.h"
-#include "storage/sql/staged_databases.h"
-#include "storage/sql/transaction.h"
-#include "storage/sql/write_health.h"
-#include "storage/sql/writer.h"
+#include "storage/sql/connection/connection.h"
+#include "storage/sql/connection/reader_pool.h"
+#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/write_health.h"
+#include "storage/sql/connection/writer.h"
+#include "storage/sql/tables/staged_databases.h"
 
 namespace motiondb::storage {
 

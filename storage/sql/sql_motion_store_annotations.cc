@@ -3,13 +3,13 @@
 
 #include "core/motion/error.h"
 #include "storage/edit_plan.h"
-#include "storage/sql/change_feed.h"
-#include "storage/sql/clip_row.h"
-#include "storage/sql/clip_text.h"
-#include "storage/sql/edit_table.h"
-#include "storage/sql/segment_table.h"
 #include "storage/sql/sql_motion_store.h"
 #include "storage/sql/sql_motion_store_work.h"
+#include "storage/sql/tables/change_feed.h"
+#include "storage/sql/tables/clip_row.h"
+#include "storage/sql/tables/clip_text.h"
+#include "storage/sql/tables/edit_table.h"
+#include "storage/sql/tables/segment_table.h"
 
 namespace motiondb::storage {
 

@@ -8,10 +8,10 @@
 
 #include "core/motion/error.h"
 #include "storage/read_scope.h"
-#include "storage/sql/audit_table.h"
-#include "storage/sql/clip_table.h"
+#include "storage/sql/connection/transaction.h"
 #include "storage/sql/sql_motion_store.h"
-#include "storage/sql/transaction.h"
+#include "storage/sql/tables/audit_table.h"
+#include "storage/sql/tables/clip_table.h"
 
 namespace motiondb::storage {
 

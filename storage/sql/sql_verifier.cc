@@ -7,12 +7,12 @@
 #include "storage/blob/checksums.h"
 #include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
-#include "storage/sql/clip_table.h"
-#include "storage/sql/database_table.h"
-#include "storage/sql/edit_table.h"
-#include "storage/sql/operation_table.h"
-#include "storage/sql/segment_table.h"
-#include "storage/sql/token_table.h"
+#include "storage/sql/tables/clip_table.h"
+#include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/edit_table.h"
+#include "storage/sql/tables/operation_table.h"
+#include "storage/sql/tables/segment_table.h"
+#include "storage/sql/tables/token_table.h"
 
 namespace motiondb::storage {
 namespace {

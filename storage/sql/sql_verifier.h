@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/sql/checked_tables.h"
-#include "storage/sql/chunk_table.h"
-#include "storage/sql/clip_row.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
+#include "storage/sql/tables/checked_tables.h"
+#include "storage/sql/tables/chunk_table.h"
+#include "storage/sql/tables/clip_row.h"
 #include "storage/store_maintenance.h"
 #include "storage/text_query.h"
 

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "core/motion/error.h"
-#include "storage/sql/database_table.h"
-#include "storage/sql/transaction.h"
+#include "storage/sql/connection/transaction.h"
+#include "storage/sql/tables/database_table.h"
 #include "storage/sqlite/index_corruption.h"
 
 namespace motiondb::storage {

@@ -11,8 +11,8 @@
 
 #include "absl/status/statusor.h"
 #include "storage/annotation_store.h"
-#include "storage/sql/clip_text.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
+#include "storage/sql/tables/clip_text.h"
 #include "storage/text_query.h"
 
 namespace motiondb::storage {

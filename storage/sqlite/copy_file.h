@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
 #include "storage/mutex.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 

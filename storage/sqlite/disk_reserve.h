@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 

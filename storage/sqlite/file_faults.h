@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 

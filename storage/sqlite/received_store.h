@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
 #include "storage/blob/checksums.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/file_identity.h"

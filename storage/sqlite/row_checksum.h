@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/sql/checked_tables.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
+#include "storage/sql/tables/checked_tables.h"
 
 namespace motiondb::storage {
 

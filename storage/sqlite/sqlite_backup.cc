@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "core/motion/error.h"
-#include "storage/sql/database_table.h"
-#include "storage/sql/row_copy.h"
-#include "storage/sql/transaction.h"
+#include "storage/sql/connection/transaction.h"
+#include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/row_copy.h"
 #include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/store_file.h"
 

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "storage/blob/checksums.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/store_maintenance.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sqlite/sqlite_statement.h"
 
 namespace motiondb::storage {

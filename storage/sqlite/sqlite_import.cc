@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/sql/database_table.h"
-#include "storage/sql/row_copy.h"
+#include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/row_copy.h"
 
 namespace motiondb::storage {
 

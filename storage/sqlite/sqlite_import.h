@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "storage/sql/staged_databases.h"
-#include "storage/sql/writer.h"
+#include "storage/sql/connection/writer.h"
+#include "storage/sql/tables/staged_databases.h"
 #include "storage/sqlite/received_store.h"
 #include "storage/store_maintenance.h"
 

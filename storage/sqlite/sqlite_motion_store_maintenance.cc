@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/sql/database_table.h"
 #include "storage/sql/sql_motion_store_work.h"
+#include "storage/sql/tables/database_table.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/disk_reserve.h"

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/sql/audit_table.h"
-#include "storage/sql/token_table.h"
-#include "storage/sql/transaction.h"
+#include "storage/sql/connection/transaction.h"
+#include "storage/sql/tables/audit_table.h"
+#include "storage/sql/tables/token_table.h"
 
 namespace motiondb::storage {
 

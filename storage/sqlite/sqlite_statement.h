@@ -13,7 +13,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "storage/sql/statement.h"
+#include "storage/sql/connection/statement.h"
 
 namespace motiondb::storage {
 

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "core/motion/error.h"
-#include "storage/sql/clip_bytes.h"
-#include "storage/sql/transaction.h"
+#include "storage/sql/connection/transaction.h"
+#include "storage/sql/tables/clip_bytes.h"
 #include "storage/sqlite/big_endian.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/schema.h"

@@ -26,12 +26,16 @@ declare -A may_include=(
   [import]="import core storage/blob text"
   [storage]="storage core text"
   [storage/blob]="storage/blob storage/annotation_store.h storage/records.h core"
+  [storage/sql/connection]="storage/sql/connection storage/allocations_may_fail.h storage/cancellable_lock.h storage/motion_store.h storage/mutex.h storage/read_scope.h core"
+  [storage/sql/tables]="storage/sql/tables storage/sql/connection storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_changes.h storage/text_query.h core"
+  [storage/sql/models]="storage/sql/models storage/sql/tables storage/sql/connection storage/blob storage/clip_segments.h storage/motion_store.h storage/read_scope.h storage/records.h core"
   [storage/sql]="storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_changes.h storage/store_maintenance.h storage/store_url.h storage/text_query.h core"
   [storage/sqlite]="storage/sqlite storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_changes.h storage/store_maintenance.h storage/store_url.h storage/text_query.h core"
   [storage/migration]="storage/migration storage/postgres storage/sqlite storage/sql storage/store_url.h core"
   [storage/postgres]="storage/postgres storage/sqlite storage/sql storage/blob storage/access_store.h storage/allocations_may_fail.h storage/annotation_store.h storage/cancellable_lock.h storage/clip_segments.h storage/edit_plan.h storage/motion_store.h storage/mutex.h storage/read_scope.h storage/records.h storage/store_changes.h storage/store_maintenance.h storage/store_url.h storage/text_query.h core"
   [server]="server import/launch.h storage core text motiondb/v1"
   [server/filter]="server/filter storage core text"
+  [server/engine/work]="server/engine/work storage core text"
   [server/engine]="server/engine server/filter import/launch.h storage core text"
   [server/translate]="server/translate server/engine server/filter storage core text motiondb/v1"
   [server/security]="server/security server/translate server/engine storage core text motiondb/v1"
@@ -61,13 +65,17 @@ for folder in "${!may_include[@]}"; do
   done < <(grep -rnoE --include='*.h' --include='*.cc' '#include [<"][^">]+' "$folder" |
            sed -E 's/#include [<"]//')
 done
-for folder in core/*/ server/*/ storage/*/; do
+for folder in core/*/ server/*/ storage/*/ storage/sql/*/; do
   folder=${folder%/}
   if [ -z "${may_include[$folder]:-}" ]; then
     echo "$folder is not listed in check_layers.sh"
     bad=1
   fi
 done
+if grep -n '#include "server/engine/query/' server/engine/*.h server/engine/*.cc; then
+  echo "server/engine must not include server/engine/query, which is above it"
+  bad=1
+fi
 # core has no clock, no threads, no locks (std::call_once is allowed), no files and no unseeded
 # randomness.
 if grep -rnE --include='*.h' --include='*.cc' \

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "server/engine/operation_wait.h"
+#include "server/engine/work/operation_wait.h"
 #include "tests/simulation/motions.h"
 
 namespace motiondb::simulation {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sql/sql_motion_store.h"
 #include "tests/simulation/world.h"
 

@@ -1,4 +1,4 @@
-#include "server/engine/workers.h"
+#include "server/engine/work/workers.h"
 
 #include <utility>
 

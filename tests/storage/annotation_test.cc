@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "storage/blob/annotation_codec.h"
-#include "tests/storage/annotation_conformance.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/conformance/annotation_conformance.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "tests/storage/backup_bytes.h"
-#include "tests/storage/corrupt_store.h"
-#include "tests/storage/exported_database_conformance.h"
+#include "tests/storage/conformance/exported_database_conformance.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

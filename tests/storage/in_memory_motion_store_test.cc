@@ -1,9 +1,9 @@
-#include "tests/storage/in_memory_motion_store.h"
+#include "tests/storage/conformance/in_memory_motion_store.h"
 
 #include <catch2/catch.hpp>
 
 #include "core/model/model.h"
-#include "tests/storage/motion_store_conformance.h"
+#include "tests/storage/conformance/motion_store_conformance.h"
 
 namespace motiondb::tests::in_memory_motion_store_test {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "storage/sqlite/sqlite_motion_store.h"
-#include "tests/storage/motion_store_conformance.h"
+#include "tests/storage/conformance/motion_store_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "storage/sql/writer.h"
+#include "storage/sql/connection/writer.h"
 #include "storage/sqlite/sqlite_connection.h"
 #include "tests/storage/require_ok.h"
 

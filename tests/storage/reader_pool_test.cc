@@ -1,4 +1,4 @@
-#include "storage/sql/reader_pool.h"
+#include "storage/sql/connection/reader_pool.h"
 
 #include <catch2/catch.hpp>
 

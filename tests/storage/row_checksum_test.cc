@@ -6,7 +6,7 @@
 
 #include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/store_file.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"

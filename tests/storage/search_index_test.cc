@@ -7,7 +7,7 @@
 
 #include "tests/storage/add_together.h"
 #include "tests/storage/backup_bytes.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"

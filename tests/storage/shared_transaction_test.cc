@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "storage/sql/transaction.h"
-#include "storage/sql/writer.h"
+#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/writer.h"
 #include "tests/storage/queued_work.h"
 #include "tests/storage/require_ok.h"
 

@@ -11,7 +11,7 @@
 
 #include "storage/sqlite/schema.h"
 #include "tests/storage/backup_bytes.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/model/extend_model.h"
-#include "tests/storage/motion_store_conformance.h"
+#include "tests/storage/conformance/motion_store_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"

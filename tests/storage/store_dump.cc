@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tests/storage/annotation_conformance.h"
+#include "tests/storage/conformance/annotation_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "storage/sqlite/sqlite_motion_store.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 
 namespace motiondb::tests {

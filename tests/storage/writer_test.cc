@@ -1,5 +1,5 @@
 // The queue of the writer. Catch assertions work on one thread only.
-#include "storage/sql/writer.h"
+#include "storage/sql/connection/writer.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>

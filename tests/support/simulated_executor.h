@@ -7,7 +7,7 @@
 #include <memory>
 #include <random>
 
-#include "server/engine/executor.h"
+#include "server/engine/work/executor.h"
 
 namespace motiondb::tests {
 

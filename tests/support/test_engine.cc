@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <future>
 
-#include "server/engine/operation_wait.h"
 #include "server/engine/snapshot.h"
+#include "server/engine/work/operation_wait.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 
 namespace motiondb::tests {

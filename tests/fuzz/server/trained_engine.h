@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "server/engine/query.h"
+#include "server/engine/query/query.h"
 
 namespace motiondb::tests {
 

@@ -1,5 +1,5 @@
 // Heavy work never uses all threads.
-#include "server/engine/concurrency_limiter.h"
+#include "server/engine/work/concurrency_limiter.h"
 
 #include <algorithm>
 #include <atomic>
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/workers.h"
+#include "server/engine/work/workers.h"
 
 namespace motiondb::server::concurrency_limiter_test {
 namespace {

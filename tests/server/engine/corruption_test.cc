@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/engine/snapshot.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests::corruption_test {

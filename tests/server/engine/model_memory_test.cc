@@ -6,9 +6,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/engine/query.h"
+#include "server/engine/query/query.h"
 #include "server/engine/representation.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/support/test_engine.h"
 

@@ -1,4 +1,4 @@
-#include "server/engine/operation_registry.h"
+#include "server/engine/work/operation_registry.h"
 
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>

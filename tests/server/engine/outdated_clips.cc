@@ -6,7 +6,7 @@
 
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/snapshot.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/support/stick_figure.h"
 
 namespace motiondb::tests {

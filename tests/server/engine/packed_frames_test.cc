@@ -1,4 +1,4 @@
-#include "server/engine/packed_frames.h"
+#include "server/engine/query/packed_frames.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -10,7 +10,7 @@
 #include "server/engine/snapshot.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/server/engine/outdated_clips.h"
-#include "tests/storage/corrupt_store.h"
+#include "tests/storage/faults/corrupt_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests::reprocess_test {

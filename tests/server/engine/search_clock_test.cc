@@ -1,4 +1,4 @@
-#include "server/engine/search_clock.h"
+#include "server/engine/query/search_clock.h"
 
 #include <catch2/catch.hpp>
 #include <thread>

@@ -1,11 +1,11 @@
-#include "server/engine/shared_loop.h"
+#include "server/engine/work/shared_loop.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <stdexcept>
 #include <vector>
 
-#include "server/engine/workers.h"
+#include "server/engine/work/workers.h"
 
 namespace motiondb::server::shared_loop_test {
 namespace {

@@ -1,5 +1,5 @@
 // Threads survive exceptions of their work; behavior out of memory.
-#include "server/engine/thread_pool.h"
+#include "server/engine/work/thread_pool.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "server/engine/concurrency_limiter.h"
-#include "server/engine/memory_reserve.h"
+#include "server/engine/work/concurrency_limiter.h"
+#include "server/engine/work/memory_reserve.h"
 
 namespace motiondb::server::thread_pool_test {
 namespace {

@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "server/engine/clock.h"
+#include "server/engine/work/clock.h"
 #include "server/security/secret.h"
 #include "server/translate/status_mapping.h"
-#include "tests/storage/in_memory_access_store.h"
+#include "tests/storage/conformance/in_memory_access_store.h"
 #include "tests/support/captured_log.h"
 
 namespace motiondb::tests::access_control_test {

@@ -1,4 +1,4 @@
-// Takes the place of server/engine/clock.h in the simulation: the wall clock of the server.
+// Takes the place of server/engine/work/clock.h in the simulation: the wall clock of the server.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Takes the place of server/engine/workers.h in the simulation: the threads of a server are tasks
-// of its simulated process.
+// Takes the place of server/engine/work/workers.h in the simulation: the threads of a server are
+// tasks of its simulated process.
 #pragma once
 
 #include <array>
@@ -7,8 +7,8 @@
 #include <deque>
 #include <memory>
 
-#include "server/engine/executor.h"
-#include "server/engine/options.h"
+#include "server/engine/work/executor.h"
+#include "server/engine/work/options.h"
 #include "tests/simulation/world.h"
 
 namespace motiondb::server {

@@ -1,5 +1,6 @@
-// Takes the place of storage/sql/writer.h in the simulation. All reads and writes of a simulated
-// store pass it, each as one step. A session decides whether and when they reach the store.
+// Takes the place of storage/sql/connection/writer.h in the simulation. All reads and writes of a
+// simulated store pass it, each as one step. A session decides whether and when they reach the
+// store.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 #include "absl/status/status.h"
 #include "core/motion/cancellation.h"
-#include "storage/sql/connection.h"
+#include "storage/sql/connection/connection.h"
 #include "tests/simulation/world.h"
 
 namespace motiondb::storage {

@@ -1,0 +1,90 @@
+// A query of one database. Uses the model that is current when it begins: converts the observation
+// to states, reserves the memory of the answer and calls core. Options are checked before anything
+// is computed. Keeps its database and its model alive.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/estimation/estimate.h"
+#include "core/prediction/predict.h"
+#include "core/recognition/find_motion.h"
+#include "core/recognition/recognize.h"
+#include "server/engine/engine.h"
+#include "server/engine/query/observation.h"
+#include "server/engine/query/prediction_series.h"
+#include "server/engine/representation.h"
+#include "server/engine/snapshot.h"
+
+namespace motiondb::server {
+
+// What a query requires of the model, and which clips it uses.
+struct QueryScope {
+  std::string filter = {};        // of clips (server/filter/filter.h); empty: all
+  std::int64_t min_revision = 0;  // that the model must contain; 0: none
+};
+
+// The motion to find.
+struct SoughtMotion {
+  std::variant<Observation, std::string> source;  // or a clip id
+  core::TimeRange part;
+};
+
+class Query {
+ public:
+  // `database`: id. The engine must outlive the query. NOT_FOUND; FAILED_PRECONDITION if the
+  // database has no model, or with reason FILTER_MATCHES_NOTHING; INVALID_ARGUMENT naming the field
+  // of the scope; AwaitsChange if the model does not contain the revision yet.
+  static absl::StatusOr<Query> Begin(Engine& engine, const std::string& database, WorkOptions terms,
+                                     const QueryScope& scope = {});
+
+  Engine& engine() const { return *engine_; }
+  const std::shared_ptr<LiveDatabase>& database() const { return database_; }
+  const SnapshotPointer& snapshot() const { return served_.snapshot; }
+  const core::Model& model() const { return served_.snapshot->model; }
+  // Revision of the database that the model contains.
+  std::int64_t revision() const { return served_.revision; }
+  // Mask of the clips that pass the filter; null: all.
+  const std::shared_ptr<const core::ClipMask>& mask() const { return mask_; }
+  const WorkOptions& terms() const { return terms_; }
+
+  // Goes on with the model that is current now, and its clips that pass the filter. Returns whether
+  // model or mask changed. FAILED_PRECONDITION as for Begin.
+  absl::StatusOr<bool> UseCurrentModel(const Filter& filter);
+
+  // Converts the observation to states (StatesOf) or to the database's markers (MarkersOf).
+  absl::StatusOr<core::StateSequence> States(const Observation& observation) const;
+  absl::StatusOr<core::MarkerMotion> Markers(const Observation& observation) const;
+
+  // Like core's functions of the same name, with the mask of the query. Codes: theirs, those of
+  // States, and RESOURCE_EXHAUSTED if the answer takes too much memory. `top_count`: clips and
+  // labels in the response for each window; 0: all.
+  absl::StatusOr<std::vector<core::RecognizedWindow>> Recognize(const Observation& observation,
+                                                                core::RecognizeOptions options,
+                                                                int top_count) const;
+  absl::StatusOr<core::Estimation> Estimate(const Observation& observation,
+                                            core::EstimateOptions options) const;
+  // `motion`: a part of the observation, or of a clip. Errors about the part name its fields in
+  // FindRequest.
+  absl::StatusOr<std::vector<core::MotionMatch>> Find(const SoughtMotion& motion,
+                                                      core::FindOptions options) const;
+  absl::StatusOr<core::Prediction> Predict(const Observation& observation,
+                                           core::PredictOptions options) const;
+  absl::StatusOr<std::shared_ptr<PredictionSeries>> PredictSeries(const Observation& observation,
+                                                                  SeriesOptions options) const;
+
+ private:
+  Query(Engine& engine, std::shared_ptr<LiveDatabase> database, WorkOptions terms)
+      : engine_(&engine), database_(std::move(database)), terms_(std::move(terms)) {}
+
+  Engine* engine_;
+  std::shared_ptr<LiveDatabase> database_;
+  ServedModel served_;
+  std::shared_ptr<const core::ClipMask> mask_;
+  WorkOptions terms_;
+};
+
+}  // namespace motiondb::server

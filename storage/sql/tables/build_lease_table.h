@@ -1,0 +1,25 @@
+// Rows of the table `build_lease`, at most one of each database; see MotionStore. The functions run
+// in the caller's transaction, in which FindDatabase has found the key of the database: it locks
+// the database, so that leases and models of it are stored one after another.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "storage/sql/connection/connection.h"
+
+namespace motiondb::storage {
+
+// See MotionStore::AcquireBuildLease. `now_us`: by the clock of the store.
+absl::StatusOr<std::int64_t> AcquireLease(Connection& connection, std::int64_t database_key,
+                                          const std::string& holder, std::int64_t now_us,
+                                          std::int64_t expire_time_us);
+absl::Status RenewLease(Connection& connection, std::int64_t database_key, std::int64_t fence,
+                        std::int64_t expire_time_us);
+absl::Status ReleaseLease(Connection& connection, std::int64_t database_key, std::int64_t fence);
+
+// ABORTED if `fence` is lower than that of the last lease of the database; 0: it has had none.
+absl::Status CheckFence(Connection& connection, std::int64_t database_key, std::int64_t fence);
+
+}  // namespace motiondb::storage

@@ -1,0 +1,147 @@
+#include "storage/sql/tables/operation_table.h"
+
+#include <cstdint>
+#include <limits>
+
+#include "core/motion/error.h"
+#include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/enum_text.h"
+
+namespace motiondb::storage {
+namespace {
+
+constexpr int kOperationsKept = 1000;  // finished operations to keep, per database
+
+// Returns a query for the columns that ToOperationRecord reads.
+std::string SelectOperations(std::string_view condition) {
+  return fmt::format(
+      "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
+      "operation.create_time_us, update_time_us, kind FROM operation JOIN database "
+      "USING (database_key) WHERE deleted = 0 AND {}",
+      condition);
+}
+
+absl::StatusOr<OperationRecord> ToOperationRecord(const Statement& row) {
+  OperationRecord record;
+  record.id = row.Text(0);
+  record.database = row.Text(1);
+  MOTIONDB_ASSIGN_OR_RETURN(record.state, FromText<OperationState>(row.Text(2)));
+  record.progress = row.Real(3);
+  record.stage = row.Text(4);
+  record.model_version = row.Integer<std::int32_t>(5);
+  record.error_code = row.Integer<std::int32_t>(6);
+  record.error_message = row.Text(7);
+  record.create_time_us = row.Integer(8);
+  record.update_time_us = row.Integer(9);
+  MOTIONDB_ASSIGN_OR_RETURN(record.kind, FromText<OperationKind>(row.Text(10)));
+  return record;
+}
+
+absl::Status NoOperation(const std::string& id) {
+  return core::WithReason("OPERATION_NOT_FOUND",
+                          core::NotFound("operation '{}' does not exist", id));
+}
+
+// Deletes old finished operations of a database.
+absl::Status ForgetOldOperations(Connection& connection, std::int64_t database_key) {
+  return connection
+      .Query(
+          "DELETE FROM operation WHERE database_key = ? AND state IN ('succeeded', 'failed', "
+          "'cancelled') AND sequence <= (SELECT sequence FROM operation WHERE database_key = ? "
+          "ORDER BY sequence DESC LIMIT 1 OFFSET ?)",
+          database_key, database_key, kOperationsKept)
+      .Run();
+}
+
+// Returns the sequence number of the operation `before`; the maximum if it is empty.
+absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::string& before) {
+  if (before.empty()) return std::numeric_limits<std::int64_t>::max();
+  Statement row = connection.Query(
+      "SELECT sequence FROM operation JOIN database USING (database_key) WHERE deleted = 0 AND "
+      "id = ?",
+      before);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NoOperation(before);
+  return row.Integer(0);
+}
+
+// Reads the rows that remain.
+absl::StatusOr<std::vector<OperationRecord>> ToOperationRecords(Statement& row) {
+  std::vector<OperationRecord> records;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return records;
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToOperationRecord(row));
+  }
+}
+
+// ABORTED if the operation has ended. NOT_FOUND if it belongs to another database: a former one,
+// which was deleted, with the same name.
+absl::Status CheckMayChange(Connection& connection, const std::string& id,
+                            std::int64_t database_key) {
+  Statement row = connection.Query("SELECT state, database_key FROM operation WHERE id = ?", id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return absl::OkStatus();
+  if (row.Integer(1) != database_key) return NoOperation(id);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto stored, FromText<OperationState>(row.Text(0)));
+  if (stored < OperationState::kSucceeded) return absl::OkStatus();
+  return absl::AbortedError(fmt::format("operation '{}' has already ended: {}", id, row.Text(0)));
+}
+
+}  // namespace
+
+absl::Status UpsertOperation(Connection& connection, const OperationRecord& record) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
+                            FindDatabase(connection, record.database));
+  MOTIONDB_RETURN_IF_ERROR(CheckMayChange(connection, record.id, database_key));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
+                 "error_code, error_message, create_time_us, update_time_us, kind) "
+                 "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
+                 "(state, progress, stage, model_version, error_code, error_message, "
+                 "create_time_us, update_time_us) = (excluded.state, excluded.progress, "
+                 "excluded.stage, excluded.model_version, excluded.error_code, "
+                 "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
+                 record.id, database_key, ToText(record.state), record.progress, record.stage,
+                 record.model_version, record.error_code, record.error_message,
+                 record.create_time_us, record.update_time_us, ToText(record.kind))
+          .Run());
+  // Not with a RETURNING clause, which would need a statement journal.
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t sequence, SequenceOf(connection, record.id));
+  MOTIONDB_RETURN_IF_ERROR(connection.SetRowChecksum("operation", sequence));
+  if (record.state != OperationState::kPending) return absl::OkStatus();
+  return ForgetOldOperations(connection, database_key);
+}
+
+absl::StatusOr<OperationRecord> SelectOperation(Connection& connection, const std::string& id) {
+  Statement row = connection.Query(SelectOperations("id = ?"), id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NoOperation(id);
+  return ToOperationRecord(row);
+}
+
+absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connection,
+                                                              const std::string& database,
+                                                              const std::string& before,
+                                                              int limit) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t below, SequenceOf(connection, before));
+  Statement row = connection.Query(
+      SelectOperations(database.empty()
+                           ? "sequence < ? ORDER BY sequence DESC LIMIT ?"
+                           : "sequence < ? AND database_key = ?3 ORDER BY sequence DESC LIMIT ?2"),
+      below, limit);
+  if (!database.empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+    row.Bind(database_key);
+  }
+  return ToOperationRecords(row);
+}
+
+absl::StatusOr<std::vector<OperationRecord>> SelectUnfinishedOperations(Connection& connection) {
+  Statement row =
+      connection.Query(SelectOperations("state IN ('pending', 'running') ORDER BY sequence"));
+  return ToOperationRecords(row);
+}
+
+}  // namespace motiondb::storage

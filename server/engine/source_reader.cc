@@ -6,7 +6,6 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
@@ -15,12 +14,12 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "core/motion/error.h"
 #include "import/launch.h"
+#include "server/engine/work/options.h"
 #include "storage/blob/motion_codec.h"
 #include "storage/cancellable_lock.h"
 
@@ -225,11 +224,6 @@ absl::StatusOr<core::MotionFile> Import(core::FileFormat format, core::SourceFil
 }
 
 }  // namespace
-
-int MaxImports() {
-  constexpr int kMaxImports = 4;
-  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1, kMaxImports);
-}
 
 absl::StatusOr<core::MotionFile> ReadSource(core::FileFormat format, core::SourceFile file,
                                             std::optional<core::SourceFile> skeleton,

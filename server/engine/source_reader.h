@@ -10,10 +10,6 @@
 
 namespace motiondb::server {
 
-// Returns the maximum number of imports of this process at a time: one for every two processors,
-// one to four. Others wait.
-int MaxImports();
-
 // Limits of one import.
 inline constexpr int kImportMemoryMib = 512;
 inline constexpr int kImportCpuSeconds = 30;  // at most twice as long in all

@@ -1,9 +1,11 @@
 // Engine settings of the operator.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <thread>
 
 namespace motiondb::server {
 
@@ -48,5 +50,12 @@ struct EngineOptions {
 
   bool builds() const { return work != ServerWork::kServe; }
 };
+
+// Returns the maximum number of imports of this process at a time: one for every two processors,
+// one to four. Others wait.
+inline int MaxImports() {
+  constexpr int kMaxImports = 4;
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1, kMaxImports);
+}
 
 }  // namespace motiondb::server

@@ -88,8 +88,8 @@ std::optional<UnknownModel> FitUnknownModel(const std::vector<std::string>& labe
     kinds.push_back({sample.is_unknown, sample.clip, sample.label});
   }
   // An unexplained motion is unknown; a better fit or higher odds make it known.
-  const auto regression = FitUnknownRegression(kinds, features, labels.size(),
-                                               {1, -1, labels.size() < kMinLabelsForOdds ? 0 : -1});
+  const auto regression =
+      FitUnknownRegression(kinds, features, {1, -1, labels.size() < kMinLabelsForOdds ? 0 : -1});
   if (!regression) return std::nullopt;
   UnknownModel model;
   model.intercept = regression->intercept;

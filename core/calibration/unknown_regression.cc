@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "core/recognition/unknown.h"
+
 namespace motiondb::core {
 namespace {
 
@@ -28,7 +30,7 @@ bool AreEnough(const std::vector<HeldOutKind>& kinds, bool is_unknown) {
 }
 
 // Weights that sum to 1.
-Eigen::VectorXd SampleWeights(const std::vector<HeldOutKind>& kinds, double label_count) {
+Eigen::VectorXd SampleWeights(const std::vector<HeldOutKind>& kinds) {
   std::map<std::pair<bool, std::size_t>, double> samples_of;
   for (const HeldOutKind& kind : kinds) ++samples_of[{kind.is_unknown, kind.label}];
   std::array<double, 2> labels{};
@@ -36,7 +38,7 @@ Eigen::VectorXd SampleWeights(const std::vector<HeldOutKind>& kinds, double labe
   Eigen::VectorXd weights(kinds.size());
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     const bool is_unknown = kinds[i].is_unknown;
-    const double share = (is_unknown ? 1 : label_count) / (1 + label_count);
+    const double share = is_unknown ? kUnknownShare : 1 - kUnknownShare;
     weights[static_cast<Eigen::Index>(i)] =
         share / (labels[is_unknown] * samples_of[{is_unknown, kinds[i].label}]);
   }
@@ -71,7 +73,6 @@ Eigen::VectorXd MinimizeLoss(const Eigen::MatrixXd& design, const Eigen::VectorX
 
 std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOutKind>& kinds,
                                                       const Eigen::MatrixXd& features,
-                                                      std::size_t label_count,
                                                       std::vector<int> signs) {
   if (!AreEnough(kinds, false) || !AreEnough(kinds, true)) return std::nullopt;
   Eigen::VectorXd is_unknown(kinds.size());
@@ -89,7 +90,7 @@ std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOutK
       design.rightCols(count).array().square().colwise().mean().sqrt().max(kMinSpread);
   design.rightCols(count).array().rowwise() /= spread.array();
 
-  const Eigen::VectorXd weights = SampleWeights(kinds, static_cast<double>(label_count));
+  const Eigen::VectorXd weights = SampleWeights(kinds);
   const double ridge = kRidge / static_cast<double>(clips.size());
   Eigen::VectorXd b;
   for (bool has_wrong_sign = true; has_wrong_sign;) {

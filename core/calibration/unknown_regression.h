@@ -24,13 +24,12 @@ struct UnknownRegression {
 // Fits the regression to `features` (samples x features, finite), a row for each of `kinds`.
 // nullopt unless there are at least 4 known and 4 unknown clips, each of at least two labels.
 //
-// Labels count equally; unknown samples together count as one of `label_count` + 1 labels. The
-// ridge is 0.1 over the number of clips, on standardized features. `signs`: the sign that a
-// feature's weight has by its meaning, 1 or -1; 0 leaves the feature out. A weight with another
-// sign is 0. Newton's method; O(samples * features^2) for each step.
+// Labels count equally; unknown samples have the share kUnknownShare of all weight. The ridge is
+// 0.1 over the number of clips, on standardized features. `signs`: the sign that a feature's weight
+// has by its meaning, 1 or -1; 0 leaves the feature out. A weight with another sign is 0. Newton's
+// method; O(samples * features^2) for each step.
 std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOutKind>& kinds,
                                                       const Eigen::MatrixXd& features,
-                                                      std::size_t label_count,
                                                       std::vector<int> signs);
 
 }  // namespace motiondb::core

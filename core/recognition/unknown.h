@@ -37,6 +37,9 @@ BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignme
 std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best, double mean,
                                                             double deviation);
 
+// The probability that a motion is unknown before it is observed, however many labels there are.
+inline constexpr double kUnknownShare = 0.08;
+
 struct LabelAnswer {
   std::vector<LabelScore> labels;  // most probable first
   // Probability that the window has none of the labels. With it the probabilities of the labels sum
@@ -45,8 +48,8 @@ struct LabelAnswer {
   std::optional<double> unknown_probability;
 };
 
-// Returns the probabilities of `labels` (LabelUnits::labels), given the window. "Unknown"
-// counts as one more label: before the observation all have equal probabilities.
+// Returns the probabilities of `labels` (LabelUnits::labels), given the window. Before the
+// observation, all have equal probabilities.
 LabelAnswer LabelsOrUnknown(const std::vector<std::string>& labels,
                             const WindowAlignment& alignment, const AnswerCalibration& calibration);
 

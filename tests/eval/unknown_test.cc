@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "core/recognition/unknown.h"
 #include "tests/eval/recognizers/recognizer.h"
 #include "tests/eval/recognizers/unknown_regression.h"
 
@@ -123,7 +124,6 @@ TEST_CASE("Answer: unknown above one half, and then no label is correct", "[eval
 }
 
 TEST_CASE("Unknown regression: scores that say nothing leave the prior", "[eval]") {
-  // Unknown is as probable as each of three labels.
   std::vector<HeldOut> held_out;
   for (int c = 0; c < 300; ++c) held_out.push_back({{0, 0, 0}, c % 3, c});
   const auto fitted = FitUnknownRegression(held_out, 1);
@@ -131,8 +131,8 @@ TEST_CASE("Unknown regression: scores that say nothing leave the prior", "[eval]
   // Without the own label the odds are 1 : 1 instead of 1 : 2, which tells the two kinds apart, but
   // in the wrong direction.
   CHECK(fitted->odds_weight == 0);
-  CHECK(fitted->Probability({0, 0, 0}) == Approx(0.25));
-  CHECK(fitted->Probability({3, 0, 0}) == Approx(0.25).margin(0.01));
+  CHECK(fitted->Probability({0, 0, 0}) == Approx(core::kUnknownShare));
+  CHECK(fitted->Probability({3, 0, 0}) == Approx(core::kUnknownShare).margin(0.01));
 }
 
 TEST_CASE("Unknown regression: calibrated on other motions of the same kind", "[eval]") {
@@ -140,7 +140,6 @@ TEST_CASE("Unknown regression: calibrated on other motions of the same kind", "[
   REQUIRE(fitted);
   CHECK(fitted->score_weight < 0);
   CHECK(fitted->odds_weight < 0);
-  // Eight known motions to one unknown, as the prior says.
   double known_sum = 0;
   double unknown_sum = 0;
   const std::vector<HeldOut> others = RandomMotions(1000, 3, 2);
@@ -149,8 +148,8 @@ TEST_CASE("Unknown regression: calibrated on other motions of the same kind", "[
     unknown_sum += fitted->Probability(WithoutOwnLabel(motion).scores);
   }
   const auto count = static_cast<double>(others.size());
-  CHECK((kLabels * known_sum + unknown_sum) / ((kLabels + 1) * count) ==
-        Approx(1.0 / (kLabels + 1)).margin(0.01));
+  constexpr double kShare = core::kUnknownShare;
+  CHECK(((1 - kShare) * known_sum + kShare * unknown_sum) / count == Approx(kShare).margin(0.01));
   CHECK(unknown_sum > 2 * known_sum);
 }
 
@@ -161,8 +160,8 @@ TEST_CASE("Unknown regression: no other weights have less loss", "[eval]") {
   const auto loss = [&](const UnknownRegression& regression) {
     double sum = 0;
     for (const HeldOut& motion : held_out) {
-      sum -= kLabels * std::log(1 - regression.Probability(motion.scores));
-      sum -= std::log(regression.Probability(WithoutOwnLabel(motion).scores));
+      sum -= (1 - core::kUnknownShare) * std::log(1 - regression.Probability(motion.scores));
+      sum -= core::kUnknownShare * std::log(regression.Probability(WithoutOwnLabel(motion).scores));
     }
     return sum / static_cast<double>(held_out.size());
   };

@@ -45,17 +45,17 @@ double Probability(const core::UnknownModel& model, const core::BestLabel& best)
 
 }  // namespace
 
-TEST_CASE("FitUnknownModel: probabilities equal frequencies, an unknown motion counts as one label",
+TEST_CASE("FitUnknownModel: probabilities equal frequencies at the assumed share of unknown motion",
           "[core][calibration]") {
   const auto model = core::FitUnknownModel(kLabels, Samples(400, 2, 1));
   REQUIRE(model.has_value());
-  // Of new samples, with one unknown motion for four known ones.
+  // Of new samples, with the assumed share.
   double surplus[10] = {};
   double total = 0;
   double errors[2] = {};
   double count[2] = {};
   for (const core::UnknownSample& sample : Samples(4000, 2, 2)) {
-    const double weight = sample.is_unknown ? 1 : 4;
+    const double weight = sample.is_unknown ? core::kUnknownShare : 1 - core::kUnknownShare;
     const double p = Probability(*model, sample.best);
     surplus[std::min(9, static_cast<int>(10 * p))] += weight * (p - (sample.is_unknown ? 1 : 0));
     total += weight;

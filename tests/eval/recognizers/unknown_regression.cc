@@ -57,8 +57,8 @@ std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOut>
     features.row(static_cast<Eigen::Index>(i)) << features_of[i].first, features_of[i].second;
   }
   const std::size_t labels = held_out.empty() ? 0 : held_out.front().scores.size();
-  const auto fitted = core::FitUnknownRegression(kinds, features, labels,
-                                                 {-1, labels < kMinLabelsForOdds ? 0 : -1});
+  const auto fitted =
+      core::FitUnknownRegression(kinds, features, {-1, labels < kMinLabelsForOdds ? 0 : -1});
   if (!fitted) return std::nullopt;
   return UnknownRegression{temperature, fitted->intercept, fitted->weights[0], fitted->weights[1]};
 }

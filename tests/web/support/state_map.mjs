@@ -1,21 +1,19 @@
 // Reads a map of states as the page does, and computes where the page draws it.
 import { project } from './projection.mjs';
 import { setup } from './setup.mjs';
-import { stream } from './stream.mjs';
+import { floatsOf, stream } from './stream.mjs';
 
-function floats(messages, part, field) {
-  const blocks = messages.flatMap((m) => (m[part] ? [Buffer.from(m[part][field], 'base64')] : []));
-  const bytes = Buffer.concat(blocks);
-  return Array.from({ length: bytes.length / 4 }, (_, i) => bytes.readFloatLE(4 * i));
-}
+const floats = (messages, part, field) =>
+  messages.flatMap((message) => (message[part] ? floatsOf(message[part][field]) : []));
 
-// Header, node ids, means and points of a layer; undefined: the bottom layer.
+// Header, node ids, main clips, means and points of a layer; undefined: the bottom layer.
 export async function readMap(database, layer, maxPoints) {
   const parent = `databases/${database}/models/current`;
   const messages = await stream(setup.open, 'ViewService/ReadStateMap', { parent, layer, maxPoints });
   return {
     header: messages[0].header,
     ids: messages.flatMap((m) => m.nodes?.nodeIds ?? []),
+    mainClips: messages.flatMap((m) => m.nodes?.mainClips ?? []),
     means: floats(messages, 'nodes', 'means'),
     points: floats(messages, 'points', 'positions'),
   };

@@ -99,6 +99,7 @@ export class MotionStage {
     this.trailPoints = points;
     this.trails?.show(this.shown.has('trails') ? points : []);
     this.shownFrame = -1;
+    this.show(this.time);
   }
 
   highlight(marker: number): void {

@@ -1,0 +1,103 @@
+// Trails and the camera that follows, in the player of a clip: against the positions of the server.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { newPage, shown } from './support/browser.mjs';
+import { distance, recordDrawing, whenDrawn } from './support/drawing.mjs';
+import { setup } from './support/setup.mjs';
+import { motionOf } from './support/stream.mjs';
+
+const clip = 'databases/demo/clips/01_01';
+const canvas = '.scene canvas';
+const kTrailFrames = 60; // 1 s
+
+async function openClip(t, query) {
+  const page = await newPage(t, { viewport: { width: 700, height: 500 } });
+  await recordDrawing(page);
+  await page.goto(`${setup.open}/#/clip/demo/01_01?${query}`);
+  await shown(page);
+  await page.locator('.chart canvas').waitFor();
+  return page;
+}
+
+// Steps of the path of a marker in the second before a frame, each as the positions of both ends.
+function pathOf({ names, frames }, marker, frame) {
+  const at = (index) => frames[index].slice(3 * names.indexOf(marker), 3 * names.indexOf(marker) + 3);
+  return Array.from({ length: kTrailFrames }, (_, step) => [...at(frame - step - 1), ...at(frame - step)]);
+}
+
+// The trails in a picture. The lines of the floor are at height 0.
+const trailsIn = (drawn) =>
+  drawn.filter(({ kind, positions }) => kind === 'lines' && positions.some((value, i) => i % 3 === 2 && value !== 0));
+
+test('a trail is the path of its marker in the last second', async (t) => {
+  const motion = await motionOf(setup.open, clip, { frameCount: 131 });
+  const check = (page, marker, frame) =>
+    whenDrawn(page, canvas, (drawn) => {
+      const trails = trailsIn(drawn);
+      assert.equal(trails.length, 1, 'trails');
+      const path = pathOf(motion, marker, frame).flat();
+      assert.ok(distance(trails[0].positions, path) < 1e-5, `trail of ${marker} at frame ${frame}`);
+    });
+  const [first, second] = ['RHand', 'LToe'].map((part) => motion.names.find((name) => name.startsWith(part)));
+  const page = await openClip(t, `t=1&show=markers,trails&point=${first}`);
+  await check(page, first, 60);
+  // Another point while the motion stands still.
+  await page.getByLabel('Point').selectOption(second);
+  await check(page, second, 60);
+  await page.keyboard.press('Escape');
+  await page.locator(canvas).focus();
+  await page.keyboard.press('.');
+  await check(page, second, 61);
+  await page.getByLabel('Trails').uncheck();
+  await whenDrawn(page, canvas, (drawn) => assert.equal(trailsIn(drawn).length, 0));
+});
+
+test('without a chosen point, hands and feet have trails', async (t) => {
+  const motion = await motionOf(setup.open, clip, { frameCount: 61 });
+  const page = await openClip(t, 't=1&show=markers,trails');
+  await whenDrawn(page, canvas, (drawn) => {
+    const [trails] = trailsIn(drawn);
+    const markers = motion.names.filter((name) => /hand|wrist|toe|ankle/i.test(name));
+    assert.ok(markers.length >= 4, markers.join());
+    const paths = markers.flatMap((marker) => pathOf(motion, marker, 60).flat());
+    assert.ok(distance(trails.positions, paths) < 1e-5);
+  });
+});
+
+test('the camera follows the figure only if that is chosen', async (t) => {
+  const motion = await motionOf(setup.open, clip);
+  const centreOf = (frame) =>
+    [0, 1].map((axis) => {
+      const values = frame.filter((_, i) => i % 3 === axis);
+      return values.reduce((sum, value) => sum + value, 0) / values.length;
+    });
+  const last = centreOf(motion.frames.at(-1));
+  const eye = [3, -4, 2];
+  const target = [0.5, 0.25, 1];
+  // A key that turns the camera puts its place in the address.
+  const cameraOf = async (page) => {
+    const before = page.url();
+    await page.locator(canvas).press('ArrowLeft');
+    await page.waitForURL((url) => url.href !== before);
+    const [, text] = decodeURIComponent(page.url()).match(/camera=([-\d.,]+)/);
+    const values = text.split(',').map(Number);
+    return { eye: values.slice(0, 3), target: values.slice(3) };
+  };
+  const length = ({ eye: from, target: to }) => Math.hypot(...from.map((value, i) => value - to[i]));
+  const distanceBefore = length({ eye, target });
+  for (const follows of [true, false]) {
+    const show = follows ? 'markers,follow' : 'markers';
+    const page = await openClip(t, `show=${show}&camera=${[...eye, ...target].join(',')}`);
+    await page.keyboard.press('End');
+    await page.locator('.position', { hasText: `frame ${motion.frames.length - 1}` }).waitFor();
+    const camera = await cameraOf(page);
+    const expected = follows ? [...last, target[2]] : target;
+    assert.ok(distance(camera.target, expected) < 0.011, `follows: ${follows}, ${camera.target}, ${expected}`);
+    assert.ok(Math.abs(length(camera) - distanceBefore) < 0.03, `distance ${length(camera)}`);
+    if (follows) continue;
+    // Chosen later, it follows at once.
+    await page.getByLabel('Follow camera').check();
+    assert.ok(distance((await cameraOf(page)).target, [...last, target[2]]) < 0.011);
+  }
+  assert.ok(distance(last, target.slice(0, 2)) > 0.5, `the figure moves: ${last}`);
+});

@@ -1,10 +1,11 @@
 // The list of clips: filter, facets, search, order, upload with its mapping.
 import assert from 'node:assert/strict';
-import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
 import { checkAccessibility, newPage, shown } from './support/browser.mjs';
+import { bvhOf, readBvh } from './support/bvh.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
+import { motionOf } from './support/stream.mjs';
 
 const filterInput = '.filter input >> nth=0';
 
@@ -25,6 +26,82 @@ test('a facet filters the list, and the address keeps the filter', async (t) => 
   await page.goto('about:blank');
   await page.goto(address);
   await page.waitForFunction(() => document.querySelectorAll('table.clips tbody tr').length === 1);
+});
+
+// Bones of five poses side by side on a picture, as the server's positions give them.
+async function bonesOfThumbnail(clip, width, height) {
+  const { body } = await call(setup.open, 'ClipService/GetClip', { name: clip });
+  const stride = Math.floor(body.clip.frameCount / 5);
+  const firstFrame = Math.floor(stride / 2);
+  const { bones, frames } = await motionOf(setup.open, clip, { firstFrame, stride });
+  const poses = frames.slice(0, 5);
+  const top = Math.max(...poses.flatMap((pose) => pose.filter((_, i) => i % 3 === 2)));
+  const scale = (0.92 * height) / top;
+  return poses.flatMap((pose, column) => {
+    const across = (point) => 0.8 * pose[3 * point] - 0.6 * pose[3 * point + 1];
+    const places = Array.from({ length: pose.length / 3 }, (_, point) => across(point));
+    const middle = places.reduce((sum, value) => sum + value, 0) / places.length;
+    const at = (point) => [
+      ((column + 0.5) * width) / 5 + (across(point) - middle) * scale,
+      0.97 * height - pose[3 * point + 2] * scale,
+    ];
+    return bones.map(({ fromPoint = 0, toPoint = 0 }) => [at(fromPoint), at(toPoint)]);
+  });
+}
+
+test('a thumbnail shows poses of the clip, in the colours of the theme', async (t) => {
+  const page = await openClips(t, { colorScheme: 'light' });
+  const row = page.locator('table.clips tbody tr', { has: page.getByRole('link', { name: '01_01' }) });
+  // Colour of each painted pixel, with its place.
+  const painted = () =>
+    row.locator('canvas.thumbnail').evaluate((canvas) => {
+      const { width, height } = canvas;
+      const copy = Object.assign(document.createElement('canvas'), { width, height });
+      const context = copy.getContext('2d', { willReadFrequently: true });
+      context.drawImage(canvas, 0, 0);
+      const { data } = context.getImageData(0, 0, width, height);
+      const pixels = Array.from({ length: width * height }, (_, i) => [i % width, Math.floor(i / width)]);
+      return {
+        width,
+        height,
+        pixels: pixels.map(([x, y], i) => [x + 0.5, y + 0.5, ...data.subarray(4 * i, 4 * i + 4)])
+          .filter((pixel) => pixel[5] > 0),
+      };
+    });
+  const waitUntil = async (what, holds) => {
+    const end = performance.now() + 20_000;
+    for (;;) {
+      const picture = await painted();
+      if (holds(picture)) return picture;
+      assert.ok(performance.now() < end, what);
+      await page.waitForTimeout(50);
+    }
+  };
+  const { width, height, pixels } = await waitUntil('a picture', ({ pixels }) => pixels.length > 0);
+  const bones = await bonesOfThumbnail('databases/demo/clips/01_01', width, height);
+  const distanceTo = ([x, y], [[x0, y0], [x1, y1]]) => {
+    const [dx, dy] = [x1 - x0, y1 - y0];
+    const along = ((x - x0) * dx + (y - y0) * dy) / Math.max(dx * dx + dy * dy, 1e-9);
+    const part = Math.min(1, Math.max(0, along));
+    return Math.hypot(x - x0 - part * dx, y - y0 - part * dy);
+  };
+  for (const pixel of pixels) {
+    const nearest = Math.min(...bones.map((bone) => distanceTo(pixel, bone)));
+    assert.ok(nearest < 1.5, `pixel ${pixel} is ${nearest} px from a bone`);
+  }
+  for (const [[x0, y0], [x1, y1]] of bones) {
+    const middle = [(x0 + x1) / 2, (y0 + y1) / 2];
+    const near = pixels.some(([x, y]) => Math.hypot(x - middle[0], y - middle[1]) < 1.5);
+    assert.ok(near, `bone at ${middle} is painted`);
+  }
+  // The grey of the light theme is darker than that of the dark theme.
+  const lightness = ({ pixels }) => {
+    const strong = pixels.filter((pixel) => pixel[5] > 200);
+    return strong.reduce((sum, pixel) => sum + pixel[3], 0) / strong.length;
+  };
+  const before = lightness({ pixels });
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await waitUntil('a lighter picture', (picture) => lightness(picture) > before + 40);
 });
 
 test('a narrow window scrolls the table, not the page', async (t) => {
@@ -56,13 +133,8 @@ test('headings sort, and the search finds words', async (t) => {
 
 test('an uploaded file shows its mapping, which can be changed, and is stored', async (t) => {
   const page = await openClips(t);
-  const text = await readFile(`${setup.models}/01_03.bvh`);
-  const lines = text.toString().split('\n');
-  const begin = lines.findIndex((line) => line.startsWith('Frames:'));
-  const frames = lines.slice(begin + 2, begin + 602);
-  const buffer = Buffer.from(
-    [...lines.slice(0, begin), `Frames: ${frames.length}`, lines[begin + 1], ...frames, ''].join('\n'),
-  );
+  const motion = await readBvh('01_03');
+  const buffer = Buffer.from(bvhOf(motion, motion.rows.slice(0, 600)));
   await page.setInputFiles('input[type=file]', { name: 'part.bvh', mimeType: 'text/plain', buffer });
   await page.locator('.rules input').first().waitFor();
   await page.getByRole('button', { name: 'Use these rules' }).click();

@@ -22,6 +22,8 @@ export class Thumbnails {
   private readonly waiting = new Map<Element, Waiting>();
   private readonly queue: Waiting[] = [];
   private readonly stored = new Map<string, Motion>();
+  // The pictures of the present page.
+  private readonly drawn = new Map<HTMLCanvasElement, Motion>();
   private running = 0;
 
   constructor(
@@ -38,8 +40,12 @@ export class Thumbnails {
       }
       this.next();
     });
+    const removeTheme = theme.onChange(() => {
+      for (const [canvas, motion] of this.drawn) this.paint(canvas, motion);
+    });
     signal.addEventListener('abort', () => {
       this.observer.disconnect();
+      removeTheme();
     });
   }
 
@@ -57,6 +63,7 @@ export class Thumbnails {
   clear(): void {
     for (const canvas of [...this.waiting.keys()]) this.forget(canvas);
     this.queue.length = 0;
+    this.drawn.clear();
   }
 
   private forget(canvas: Element): void {
@@ -87,10 +94,16 @@ export class Thumbnails {
       this.stored.set(key, motion);
       const [oldest] = this.stored.keys();
       if (this.stored.size > kMaxStored && oldest !== undefined) this.stored.delete(oldest);
-      drawPoses(canvas, motion, this.theme.color('--middle'));
+      this.paint(canvas, motion);
     } catch {
       // A clip that was deleted meanwhile has no picture; the list shows other errors.
     }
+  }
+
+  private paint(canvas: HTMLCanvasElement, motion: Motion): void {
+    if (!canvas.isConnected) return;
+    this.drawn.set(canvas, motion);
+    drawPoses(canvas, motion, this.theme.color('--middle'));
   }
 }
 

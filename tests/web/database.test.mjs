@@ -2,12 +2,14 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { checkAccessibility, disableWebGL, newPage, shown } from './support/browser.mjs';
+import { recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 import { placesOf, readMap } from './support/state_map.mjs';
 
-async function open(t, query = '', options = {}) {
+async function open(t, query = '', options = {}, prepare = undefined) {
   const page = await newPage(t, options);
+  await prepare?.(page);
   await page.goto(`${setup.open}/#/database/demo${query}`);
   await shown(page);
   await page.locator('.map-controls output', { hasText: 'Layer' }).waitFor();
@@ -105,6 +107,61 @@ test('without WebGL a flat map and the tables work', async (t) => {
   await page.locator('.node-list tbody button').first().click();
   await page.locator('.node-panel svg.pose').waitFor();
   assert.match(page.url(), /node=\d/);
+});
+
+// The linear colour of a text such as rgb(255, 0, 128).
+const linearOf = (text) =>
+  text.match(/\d+/g).slice(0, 3).map((part) => {
+    const value = Number(part) / 255;
+    return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+  });
+
+test('nodes have the colour of their label or clip in the legend', async (t) => {
+  const page = await open(t, '?layer=5', {}, recordDrawing);
+  const { header, mainClips, means } = await readMap('demo', 5, 20000);
+  // Colours of the legend by name.
+  const legend = async (item) =>
+    new Map(
+      await page.locator(`.legend ${item}:has(.swatch)`).evaluateAll((items) =>
+        items.map((node) => [
+          node.textContent,
+          getComputedStyle(node.querySelector('.swatch')).backgroundColor,
+        ]),
+      ),
+    );
+  const check = (names, colors) =>
+    whenDrawn(page, '.map canvas', (drawn) => {
+      const dots = drawn.find(({ kind, positions }) => kind === 'points' && positions.length === means.length);
+      assert.ok(dots, 'a dot for each node');
+      const key = (values, i) => values.slice(3 * i, 3 * i + 3).map(Math.fround).join();
+      const nodeAt = new Map(mainClips.map((_, node) => [key(means, node), node]));
+      const seen = new Set();
+      for (let dot = 0; dot < mainClips.length; ++dot) {
+        const node = nodeAt.get(key(dots.positions, dot));
+        assert.notEqual(node, undefined, `a node at ${key(dots.positions, dot)}`);
+        const name = names[mainClips[node]];
+        const expected = linearOf(colors.get(name));
+        expected.forEach((value, i) =>
+          assert.ok(Math.abs(dots.colors[3 * dot + i] - value) < 0.005, `${name}: ${expected}`),
+        );
+        seen.add(expected.join());
+      }
+      assert.equal(seen.size, new Set(mainClips.map((main) => names[main])).size);
+      assert.ok(seen.size >= 3, `${seen.size} colours`);
+    });
+  const labels = header.labels.map((label) => label || '(no label)');
+  await check(labels, await legend('.legend-label'));
+  assert.equal(await page.locator('.legend-clip').count(), 0);
+  await page.locator('.map-controls').getByLabel('Colour').selectOption('clip');
+  await page.locator('.legend-clip').first().waitFor();
+  assert.match(page.url(), /color=clip/);
+  const clips = header.clips.map((name) => name.split('/').at(-1));
+  const colors = await legend('.legend-clip');
+  assert.deepEqual([...colors.keys()], clips);
+  await check(clips, colors);
+  await page.reload();
+  await page.locator('.legend-clip').first().waitFor();
+  await check(clips, colors);
 });
 
 test('axe reports nothing', async (t) => {

@@ -3,8 +3,10 @@ import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
 import { checkAccessibility, newPage } from './support/browser.mjs';
+import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
+import { floatsOf, motionOf } from './support/stream.mjs';
 
 test('a part of a clip is recognized, and the prediction compared with what happened', async (t) => {
   const page = await newPage(t);
@@ -27,6 +29,67 @@ test('a part of a clip is recognized, and the prediction compared with what happ
   await page.locator('figure.profile', { hasText: 'Layer 3' }).waitFor();
   assert.equal(await page.locator('figure.profile').count(), 1);
   await checkAccessibility(page);
+});
+
+// The answer of the server about the part of 01_01 from 1 s to 4 s, after its first second.
+async function predict(frames, frameRateHz, atSeconds) {
+  const { body: stored } = await call(setup.open, 'ClipService/GetClip', { name: 'databases/demo/clips/01_01' });
+  const { status, body } = await call(setup.open, 'QueryService/Predict', {
+    database: 'databases/demo',
+    observation: {
+      markers: {
+        frameRateHz,
+        frameCount: frames.length,
+        positions: Buffer.from(Float32Array.from(frames.flat()).buffer).toString('base64'),
+        legLengthM: stored.clip.legLengthM,
+      },
+    },
+    atSeconds,
+  });
+  assert.equal(status, 200, JSON.stringify(body));
+  return body.horizons;
+}
+
+test('ghosts are the predicted poses of the server, and the poses that followed', async (t) => {
+  const part = { firstFrame: 60, frameCount: 181 };
+  const { frames, names, frameRateHz } = await motionOf(setup.open, 'databases/demo/clips/01_01', part);
+  const horizons = await predict(frames, frameRateHz, 1);
+  const page = await newPage(t, { viewport: { width: 700, height: 500 } });
+  await recordDrawing(page);
+  await page.goto(`${setup.open}/#/query/demo?clip=01_01&from=1&to=4&at=1&without=0`);
+  const rows = page.locator('section[aria-label="Estimation and prediction"] tbody tr');
+  await rows.nth(horizons.length - 1).waitFor();
+  const followed = (seconds) => {
+    const at = seconds * frameRateHz;
+    const low = Math.min(Math.floor(at + 1e-6), frames.length - 1);
+    const next = frames[Math.min(low + 1, frames.length - 1)];
+    return frames[low].map((value, i) => value + (at - low) * (next[i] - value));
+  };
+  const predicted = horizons.map(({ markerPositions }) => floatsOf(markerPositions));
+  const observed = horizons.map(({ seconds }) => followed(1 + seconds));
+  await whenDrawn(page, '.scene canvas', (drawn) => {
+    const figures = drawn.filter(({ instances }) => instances === names.length).map(placesOfInstances);
+    assert.equal(figures.length, 1 + 2 * horizons.length);
+    const expected = [frames[60], ...predicted, ...observed];
+    for (const [i, pose] of expected.entries()) {
+      const nearest = Math.min(...figures.map((figure) => distance(figure, pose)));
+      assert.ok(nearest < 1e-4, `pose ${i} of ${expected.length}: ${nearest} m away`);
+    }
+  });
+  // The text has the mean distance of the markers.
+  for (const [i, { expectedErrorM }] of horizons.entries()) {
+    const errors = names.map((_, m) =>
+      Math.hypot(...[0, 1, 2].map((axis) => predicted[i][3 * m + axis] - observed[i][3 * m + axis])),
+    );
+    const mean = errors.reduce((sum, value) => sum + value, 0) / errors.length;
+    const cells = await rows.nth(i).locator('td').allTextContents();
+    assert.ok(Math.abs(Number.parseFloat(cells[1]) - 100 * mean) < 0.06, `${cells[1]}, ${mean} m`);
+    if (expectedErrorM !== undefined) assert.equal(cells[0], `${(100 * expectedErrorM).toFixed(1)} cm`);
+  }
+  await page.getByRole('button', { name: 'Remove prediction' }).click();
+  await whenDrawn(page, '.scene canvas', (drawn) =>
+    assert.equal(drawn.filter(({ instances }) => instances === names.length).length, 1),
+  );
 });
 
 test('a dropped file is recognized as the server does', async (t) => {

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { stat } from 'node:fs/promises';
 import { test } from 'node:test';
 import { checkAccessibility, logIn, newPage } from './support/browser.mjs';
+import { modelOperation, storeManyClips } from './support/many_clips.mjs';
 import { call, createToken, revokeToken } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 
@@ -76,4 +77,64 @@ test('status, operations and downloads of a server without tokens', async (t) =>
     assert.equal(download.suggestedFilename(), file);
     assert.ok((await stat(await download.path())).size > 100_000);
   }
+});
+
+// Lets the page read the operations five times a second, to see more of their progress.
+const pollFast = (page) =>
+  page.addInitScript(() => {
+    const original = window.setTimeout;
+    window.setTimeout = (call, delay, ...more) => original(call, delay === 1500 ? 200 : delay, ...more);
+  });
+
+// Reads the row of the operation that runs for `many` until it shows `count` values of progress that
+// rise. Each must be one that the server has reached.
+async function watchProgress(page, count) {
+  const values = [];
+  const stages = new Set();
+  const end = performance.now() + 60_000;
+  while (values.length < count) {
+    assert.ok(performance.now() < end, `${count} values of progress, got ${values}`);
+    const shown = await page.evaluate(() => {
+      const rows = [...document.querySelectorAll('section[aria-label="Operations"] tbody tr')];
+      const row = rows.find((each) => each.cells[0].textContent === 'many');
+      const bar = row?.querySelector('progress');
+      const [, kind, state] = row ? [...row.cells].map((cell) => cell.textContent) : [];
+      return bar ? { value: bar.value, stage: bar.getAttribute('aria-label'), kind, state } : null;
+    });
+    const operation = await modelOperation();
+    assert.ok(operation || !shown, `an operation that is done has no progress: ${JSON.stringify(shown)}`);
+    if (shown && shown.value > (values.at(-1) ?? 0)) {
+      assert.ok(shown.value <= (operation.progress ?? 0) && shown.value < 1, `${shown.value}`);
+      assert.equal(shown.state, shown.stage);
+      stages.add(`${shown.kind}: ${shown.stage}`);
+      values.push(shown.value);
+    } else if (shown) {
+      assert.equal(shown.value, values.at(-1) ?? 0, 'progress does not fall');
+    }
+    await page.waitForTimeout(20);
+  }
+  return [...stages].join('; ');
+}
+
+test('operations show their progress while they run, and are cancelled', async (t) => {
+  const page = await newPage(t, { viewport: { width: 700, height: 500 } });
+  await pollFast(page);
+  await page.goto(`${setup.open}/#/admin`);
+  const operations = section(page, 'Operations');
+  await operations.locator('tbody tr', { hasText: 'succeeded' }).first().waitFor();
+  const cancel = async () => {
+    const { name } = await modelOperation();
+    const row = operations.locator('tbody tr', { hasText: 'many' }).first();
+    await row.getByRole('button', { name: 'Cancel' }).click();
+    await row.getByText('cancelled').waitFor();
+    assert.equal(await row.locator('progress, button').count(), 0);
+    const { body } = await call(setup.open, 'OperationService/GetOperation', { name });
+    assert.equal(body.operation.state, 'OPERATION_STATE_CANCELLED');
+  };
+  await storeManyClips();
+  assert.match(await watchProgress(page, 3), /update model: /);
+  await cancel();
+  await call(setup.open, 'DatabaseService/ReprocessDatabase', { name: 'databases/many' });
+  assert.match(await watchProgress(page, 2), /derive clips again: deriving clips again, \d+ of 200/);
+  await cancel();
 });

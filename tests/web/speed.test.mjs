@@ -1,64 +1,82 @@
-// Speed of the pictures: a long clip that plays, and a map of 100,000 nodes.
+// Speed of the page, with the bars that the project requires: first view, a long clip that plays, and
+// a map of 100,000 nodes. Prints a line `BAR ...` for each.
 import assert from 'node:assert/strict';
-import { readFile, writeFile } from 'node:fs/promises';
+import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { test } from 'node:test';
+import { checkBar } from './support/bars.mjs';
 import { newPage, shown } from './support/browser.mjs';
-import { isBusy } from './support/busy.mjs';
-import { motiondb } from './support/server.mjs';
-import { setup } from './support/setup.mjs';
+import { bvhOf, readBvh } from './support/bvh.mjs';
 import { largeMap } from './support/large_map.mjs';
+import { markPictures, percentile, workOfPictures } from './support/main_thread.mjs';
+import { call, motiondb } from './support/server.mjs';
+import { setup } from './support/setup.mjs';
 
 const viewport = { width: 800, height: 600 };
+const kFirstViews = 5;
+
+test('the first view appears', async (t) => {
+  const page = await newPage(t, { viewport });
+  const row = page.locator('main tbody tr').first();
+  const times = [];
+  for (let i = 0; i <= kFirstViews; ++i) {
+    await page.goto('about:blank');
+    const began = performance.now();
+    await page.goto(`${setup.open}/`);
+    await row.waitFor();
+    times.push(performance.now() - began);
+  }
+  // The first one fills the caches of server and browser.
+  t.diagnostic(`first views after ${times.map((time) => time.toFixed(0)).join(', ')} ms`);
+  checkBar(t, 'first view on loopback, median', percentile(times.slice(1), 0.5), 'ms', { most: 1000 });
+});
 
 // A file of 20,000 frames at 120 Hz: a recorded motion forwards and backwards.
 async function storeLongClip() {
-  const lines = (await readFile(`${setup.models}/01_01.bvh`)).toString().split('\n');
-  const begin = lines.findIndex((line) => line.startsWith('Frames:'));
-  const rows = lines.slice(begin + 2).filter((line) => line.trim() !== '');
+  const motion = await readBvh('01_01');
+  const { rows } = motion;
   const turn = 2 * (rows.length - 1);
   const frames = Array.from({ length: 20_000 }, (_, i) => {
     const at = i % turn;
     return rows[at < rows.length ? at : turn - at];
   });
-  const head = [...lines.slice(0, begin), `Frames: ${frames.length}`, lines[begin + 1]];
   const file = join(setup.folder, 'long.bvh');
-  await writeFile(file, [...head, ...frames, ''].join('\n'));
+  await writeFile(file, bvhOf(motion, frames));
   await motiondb('create', 'long');
   await motiondb('ingest', 'long', file, '--label', 'jump');
 }
 
 test('a clip of 10,000 frames plays smoothly', async (t) => {
   await storeLongClip();
+  const { body } = await call(setup.open, 'ClipService/GetClip', { name: 'databases/long/clips/long' });
+  assert.ok(Math.abs(body.clip.frameCount - 10_000) < 10, `${body.clip.frameCount} frames`);
   const page = await newPage(t, { viewport });
+  await markPictures(page);
   await page.goto(`${setup.open}/#/clip/long/long?statistics=1`);
   await page.locator('.chart canvas').waitFor();
-  const session = await page.context().newCDPSession(page);
-  await session.send('Performance.enable', { timeDomain: 'threadTicks' });
-  const scriptSeconds = async () => {
-    const { metrics } = await session.send('Performance.getMetrics');
-    return metrics.find(({ name }) => name === 'ScriptDuration').value;
-  };
   await page.getByRole('button', { name: 'Play' }).click();
   await page.waitForTimeout(1500);
-  const pictures = () =>
-    page.evaluate(() => Number(document.querySelector('.statistics').dataset.pictures));
-  const [scriptBefore, before] = [await scriptSeconds(), await pictures()];
+  const statistics = () => page.evaluate(() => ({ ...document.querySelector('.statistics').dataset }));
+  const before = Number((await statistics()).pictures);
+  // The trace costs time itself, so these figures are of another interval.
   await page.waitForTimeout(4000);
-  const [scriptAfter, after] = [await scriptSeconds(), await pictures()];
-  const { p95, calls, rate } = await page.evaluate(() => ({
-    ...document.querySelector('.statistics').dataset,
-  }));
-  const mean = (1000 * (scriptAfter - scriptBefore)) / Math.max(1, after - before);
+  const { p95, calls, rate, pictures } = await statistics();
+  const work = await workOfPictures(page, async () => {
+    await page.waitForTimeout(2000);
+    await page.getByRole('button', { name: 'Pause' }).click();
+  });
   t.diagnostic(
-    `${after - before} pictures: script ${mean.toFixed(2)} ms a picture, work of a picture ` +
-      `${p95} ms (95 %), ${calls} draw calls, ${rate} Hz${isBusy() ? ', busy machine' : ''}`,
+    `${Number(pictures) - before} pictures in 4 s; trace of ${work.length} pictures: main thread ` +
+      `${percentile(work, 0.5).toFixed(2)} ms (median) of processor time`,
   );
-  assert.ok(Number(calls) <= 100 && Number(calls) > 0);
-  assert.ok(mean <= 6);
-  if (isBusy()) return;
-  assert.ok(Number(p95) <= 6);
-  assert.ok(Number(rate) >= 20);
+  const bars = [
+    ['main thread, all work of a picture, 95 %', percentile(work, 0.95), 'ms', { most: 6 }],
+    ['main thread, motion and drawing of a picture, 95 %', Number(p95), 'ms', { most: 6 }],
+    ['pictures', Number(rate), 'Hz', { least: 20 }],
+  ];
+  checkBar(t, 'draw calls of a picture', Number(calls), 'calls', { most: 100 }, false);
+  assert.ok(Number(calls) > 0);
+  for (const bar of bars) checkBar(t, ...bar);
 });
 
 test('a map of 100,000 nodes is interactive', async (t) => {
@@ -86,12 +104,9 @@ test('a map of 100,000 nodes is interactive', async (t) => {
     }
     return (performance.now() - start) / 30;
   });
-  t.diagnostic(
-    `map after ${loaded.toFixed(0)} ms, ${milliseconds.toFixed(0)} ms a step of the camera` +
-      (isBusy() ? ', busy machine' : ''),
-  );
+  t.diagnostic(`map after ${loaded.toFixed(0)} ms`);
   const box = await canvas.boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.locator('.node-panel', { hasText: /Node \d+ of layer/ }).waitFor();
-  if (!isBusy()) assert.ok(milliseconds < 200);
+  checkBar(t, 'map of 100,000 nodes, a step of the camera', milliseconds, 'ms', { most: 200 });
 });

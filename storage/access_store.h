@@ -19,6 +19,9 @@ struct WriteOptions {
   // Polled while the change waits in the queue, not after it has begun. If it returns true, the
   // call returns CANCELLED and changes nothing.
   core::Cancelled cancelled;
+  // Id of the database to change; 0: any of the given name. ABORTED if it was deleted and another
+  // one has its name now.
+  std::int64_t database_id = 0;
 };
 
 // All times are microseconds since the Unix epoch.

@@ -95,7 +95,7 @@ class MotionStore {
   // it appends "-2", "-3", ..., unless id_is_fixed. ALREADY_EXISTS, naming the clip, if the same
   // content is stored already or a fixed id exists. INVALID_ARGUMENT if the record's frame_count
   // differs from the number of states. FAILED_PRECONDITION if the clip brings a marker set and the
-  // database has a different one.
+  // database has a different one. ABORTED if the database is not the one with `clip.database_id`.
   virtual absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) = 0;
   // Returns the stored clip for which AddClip returns ALREADY_EXISTS: with the same content, or
   // with the fixed id. NOT_FOUND if there is none.
@@ -185,8 +185,9 @@ class MotionStore {
   // clock of the store.
   //
   // Returns the fencing number of the lease, which is higher than those of all earlier leases of
-  // the database. A holder may acquire its own lease again. ABORTED, naming the holder, if another
-  // one has the lease.
+  // the database, and differs from those of other databases, also of a deleted one with its name. A
+  // holder may acquire its own lease again. ABORTED, naming the holder, if another one has the
+  // lease.
   virtual absl::StatusOr<std::int64_t> AcquireBuildLease(const std::string& database,
                                                          const std::string& holder,
                                                          std::chrono::milliseconds duration) = 0;
@@ -206,7 +207,8 @@ class MotionStore {
   // are deleted with their database. The last 1,000 finished operations of a database are kept.
   // CANCELLED, with nothing changed, if cancelled before the write began. ABORTED if the operation
   // has ended: its result never changes. NOT_FOUND if it is an operation of a deleted database
-  // whose data is not freed yet, also if there is a new database with the name.
+  // whose data is not freed yet, also if there is a new database with the name. ABORTED also if the
+  // database is not the one with `record.database_id`.
   virtual absl::Status PutOperation(const OperationRecord& record,
                                     const core::Cancelled& cancelled = {}) = 0;
   virtual absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) = 0;

@@ -26,6 +26,8 @@ struct DatabaseRecord {
   std::string marker_set;       // name of the set; "source" until the first clip names it
   std::string marker_set_text;  // content of a marker-set file; empty for `source` until then
   std::int64_t create_time_us = 0;
+  // A database that is created again under its name has another one. Set by the store.
+  std::int64_t id = 0;
 };
 
 // A moment, as the value of a field of the user.
@@ -118,7 +120,8 @@ struct NewClip {
   // Makes the audit entry of the stored clip, which is stored in the same transaction; empty: no
   // entry. May be called more than once, on the writer thread.
   std::function<AuditRecord(const ClipRecord&)> audit;
-  core::Cancelled cancelled;  // see WriteOptions
+  core::Cancelled cancelled;     // see WriteOptions
+  std::int64_t database_id = 0;  // see WriteOptions
 };
 
 // The result of an attempt to derive a clip's states from its file again.
@@ -142,7 +145,7 @@ struct SkeletonRecord {
 // What tells a server that another one has changed a database.
 struct DatabaseState {
   std::string name;
-  std::int64_t id = 0;        // a database that is created again under its name has another one
+  std::int64_t id = 0;        // see DatabaseRecord
   std::int64_t revision = 0;  // of its content; see AnnotationStore
   std::int64_t stamp = 0;     // differs after each change of the content or of the marker set
 };
@@ -158,8 +161,9 @@ struct ServerAddress {
 struct ModelTerms {
   // Version of the current model that it replaces; 0: there is none. Empty: any.
   std::optional<std::int32_t> base_version;
-  // Fencing number of the caller's build lease (MotionStore::AcquireBuildLease), which must not be
-  // lower than that of the last lease; 0: the database must never have had a lease.
+  // Fencing number of the caller's build lease (MotionStore::AcquireBuildLease), which must be of
+  // this database, and not lower than that of its last lease; 0: the database must never have had
+  // a lease.
   std::int64_t fence = 0;
 };
 
@@ -217,6 +221,7 @@ struct OperationRecord {
   std::string error_message;
   std::int64_t create_time_us = 0;
   std::int64_t update_time_us = 0;
+  std::int64_t database_id = 0;  // see WriteOptions; the store returns it
 
   bool done() const { return state >= OperationState::kSucceeded; }
 };

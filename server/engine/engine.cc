@@ -20,6 +20,12 @@ absl::Status NoDatabase(const std::string& database) {
                           core::NotFound("database '{}' does not exist", database));
 }
 
+// Another server may delete a database, and create it again under its name, during a call.
+storage::WriteOptions WithDatabase(storage::WriteOptions terms, const LiveDatabase& database) {
+  terms.database_id = database.id();
+  return terms;
+}
+
 EngineOptions WithWork(EngineOptions options, storage::MotionStore& store) {
   // A server of a file is the only one that can build. One that may not write builds nothing.
   if (!store.is_shared()) options.work = ServerWork::kBoth;
@@ -59,7 +65,7 @@ void Engine::Drain() {
 
 std::shared_ptr<LiveDatabase> Engine::Serve(const storage::DatabaseRecord& record) {
   auto live = std::make_shared<LiveDatabase>(record.name, record.settings);
-  live->set_create_time_us(record.create_time_us);
+  if (store_->is_shared()) live->set_id(record.id);
   LifecycleServices services{*store_, operations_, damages_, workers_, options_, name_};
   if (options_.model_memory_bytes > 0) {
     services.make_room = [this](std::int64_t bytes) { MakeRoom(bytes); };
@@ -83,10 +89,16 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
   MOTIONDB_RETURN_IF_ERROR(CheckDatabaseCount());
   MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, terms));
+  spdlog::info("database '{}': created", database);
+  if (store_->is_shared()) {
+    const auto stored = store_->GetDatabase(database);
+    // It is served when a call needs it. Another server may have deleted it and created it again.
+    if (!stored.ok() || stored->create_time_us != record.create_time_us) return record;
+    live->set_id(stored->id);
+  }
   const storage::MutexLock lock(mutex_);
   if (draining_) live->lifecycle().BeginStop();
   databases_[database] = std::move(live);
-  spdlog::info("database '{}': created", database);
   return record;
 }
 
@@ -137,8 +149,8 @@ absl::Status Engine::ChangeMarkerScheme(const std::string& database, const Schem
                           database, bytes, kMaxMarkerSetBytes)));
     }
     MOTIONDB_ASSIGN_OR_RETURN(auto scheme, schemes_.Of(record));
-    MOTIONDB_RETURN_IF_ERROR(
-        store_->ReplaceMarkerSet(database, before_text, record.marker_set_text, terms));
+    MOTIONDB_RETURN_IF_ERROR(store_->ReplaceMarkerSet(database, before_text, record.marker_set_text,
+                                                      WithDatabase(terms, *live)));
     live->ReplaceScheme(std::move(scheme), NowMicroseconds());
     spdlog::info("database '{}': marker set changed: mappings={}", database,
                  changed.mappings.size());
@@ -238,7 +250,7 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   storage::OperationRecord operation;
   const absl::Status deleted = live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record,
-                              store_->DeleteClip(database, clip, terms));
+                              store_->DeleteClip(database, clip, WithDatabase(terms, *live)));
     live->signal()->Notify();
     live->ForgetUnreadable(clip);
     live->SetDeriveError(clip, "");
@@ -276,27 +288,27 @@ bool ConcernsModel(const storage::EditRecord& edit) {
 absl::StatusOr<Edited> Engine::Edit(const std::string& database,
                                     std::span<const storage::Change> changes,
                                     const std::string& author, const storage::WriteOptions& terms) {
-  const auto edit = [&](storage::AnnotationStore& store) {
-    return store.Edit(database, changes, author, terms);
+  const auto edit = [&](const storage::WriteOptions& with_database) {
+    return store_->annotations().Edit(database, changes, author, with_database);
   };
-  return StoreEdit(database, edit, terms.cancelled);
+  return StoreEdit(database, edit, terms);
 }
 
 absl::StatusOr<Edited> Engine::UndoEdit(const std::string& database, std::int64_t edit,
                                         const std::string& author,
                                         const storage::WriteOptions& terms) {
-  const auto undo = [&](storage::AnnotationStore& store) {
-    return store.UndoEdit(database, edit, author, terms);
+  const auto undo = [&](const storage::WriteOptions& with_database) {
+    return store_->annotations().UndoEdit(database, edit, author, with_database);
   };
-  return StoreEdit(database, undo, terms.cancelled);
+  return StoreEdit(database, undo, terms);
 }
 
 absl::StatusOr<Edited> Engine::StoreEdit(const std::string& database, const EditStore& edit,
-                                         const core::Cancelled& cancelled) {
+                                         const storage::WriteOptions& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   Edited edited;
   const absl::Status stored = live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(edited.edit, edit(store_->annotations()));
+    MOTIONDB_ASSIGN_OR_RETURN(edited.edit, edit(WithDatabase(terms, *live)));
     if (edited.edit.id == 0) {
       MOTIONDB_ASSIGN_OR_RETURN(edited.revision, store_->annotations().Revision(database));
       return absl::OkStatus();
@@ -305,7 +317,7 @@ absl::StatusOr<Edited> Engine::StoreEdit(const std::string& database, const Edit
     live->signal()->Notify();
     live->lifecycle().RequestUpdate();
     if (!ConcernsModel(edited.edit)) return absl::OkStatus();
-    MOTIONDB_ASSIGN_OR_RETURN(edited.operation, live->lifecycle().Request(cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(edited.operation, live->lifecycle().Request(terms.cancelled));
     return absl::OkStatus();
   });
   MOTIONDB_RETURN_IF_ERROR(stored);

@@ -181,9 +181,11 @@ class Engine {
   absl::Status CheckDatabaseCount();
   // Frees the storage of deleted databases on the maintenance thread. Yields to its other work.
   void FreeDeletedDatabases();
-  using EditStore = std::function<absl::StatusOr<storage::EditRecord>(storage::AnnotationStore&)>;
+  // Makes an edit with the options, to which the id of the database is added.
+  using EditStore =
+      std::function<absl::StatusOr<storage::EditRecord>(const storage::WriteOptions& terms)>;
   absl::StatusOr<Edited> StoreEdit(const std::string& database, const EditStore& edit,
-                                   const core::Cancelled& cancelled);
+                                   const storage::WriteOptions& terms);
   std::shared_ptr<LiveDatabase> Serve(const storage::DatabaseRecord& record);
   // Key: database name.
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;

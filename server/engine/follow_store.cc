@@ -105,10 +105,10 @@ absl::Status Engine::LookAtStore() {
   operations_.Follow(unfinished);
   std::set<std::string> changed;
   const absl::Status followed = FollowDatabases(changed);
-  std::map<std::string, std::vector<std::string>> ids;  // by database
-  for (const auto& operation : unfinished) ids[operation.database].push_back(operation.id);
+  std::map<std::int64_t, std::vector<std::string>> ids;  // by database
+  for (const auto& operation : unfinished) ids[operation.database_id].push_back(operation.id);
   for (const auto& live : Databases()) {
-    live->lifecycle().Follow(ids[live->name()], changed.contains(live->name()));
+    live->lifecycle().Follow(ids[live->id()], changed.contains(live->name()));
   }
   return followed;
 }
@@ -122,20 +122,17 @@ absl::Status Engine::FollowDatabases(std::set<std::string>& changed) {
   for (const auto& state : states) stored[state.name] = state.id;
   for (const auto& live : Databases()) {
     const auto found = stored.find(live->name());
-    const auto seen = seen_.find(live->name());
-    const bool is_another =
-        found != stored.end() && seen != seen_.end() && seen->second.state.id != found->second;
-    const bool is_gone = found == stored.end() || is_another;
-    if (is_gone && DropDatabase(live)) seen_.erase(live->name());
+    if (found == stored.end() || found->second != live->id()) DropDatabase(live);
   }
-  // This server may have deleted a database that another one creates again.
-  std::erase_if(seen_, [this](const auto& seen) { return FindServed(seen.first) == nullptr; });
+  std::erase_if(seen_, [this](const auto& seen) {
+    const auto live = FindServed(seen.first);
+    return live == nullptr || live->id() != seen.second.state.id;
+  });
   for (const auto& state : states) {
+    const auto live = FindServed(state.name);
+    if (live != nullptr && live->id() != state.id) continue;  // could not be dropped yet
     const auto seen = seen_.find(state.name);
-    if (seen != seen_.end()) {
-      const bool waits_for_drop = seen->second.state.id != state.id;
-      if (waits_for_drop || seen->second.state.stamp == state.stamp) continue;
-    }
+    if (seen != seen_.end() && seen->second.state.stamp == state.stamp) continue;
     MOTIONDB_RETURN_IF_ERROR(FollowDatabase(state));
     changed.insert(state.name);
   }
@@ -168,7 +165,7 @@ absl::Status Engine::FollowDatabase(const storage::DatabaseState& state) {
   const auto seen = seen_.find(state.name);
   auto live = FindServed(state.name);
   // The last look may have seen neither, or only the new one.
-  if (live != nullptr && live->create_time_us() != record->create_time_us) {
+  if (live != nullptr && live->id() != record->id) {
     if (!DropDatabase(live)) return absl::OkStatus();
     live = nullptr;
   }
@@ -186,8 +183,11 @@ absl::Status Engine::FollowDatabase(const storage::DatabaseState& state) {
       live->set_scheme(std::move(scheme));
     }
   }
-  seen_[state.name] = {state, std::move(record->marker_set_text)};
-  live->set_seen_revision(state.revision);
+  // If it was created again after the states were read, the next look follows it again.
+  const bool is_of_state = record->id == state.id;
+  seen_[state.name] = {is_of_state ? state : storage::DatabaseState{state.name, record->id},
+                       std::move(record->marker_set_text)};
+  live->set_seen_revision(is_of_state ? state.revision : 0);
   live->signal()->Notify();
   return absl::OkStatus();
 }

@@ -30,6 +30,7 @@ void Complete(const LiveDatabase& database, const core::MotionFile& source,
               storage::NewClip& clip) {
   storage::ClipRecord& record = clip.record;
   record.database = database.name();
+  clip.database_id = database.id();
   if (!clip.id_is_fixed) record.id = ClipIdFromFileName(record.file_name, record.given.take);
   record.frame_count = states.frame_count();
   record.duration_seconds = states.frame_count() / states.frame_rate_hz;

@@ -61,9 +61,10 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   const std::string& name() const { return name_; }
   const core::BuildSettings& settings() const { return settings_; }
-  // Tells it from other databases with the same name. Set before it is visible to callers.
-  std::int64_t create_time_us() const { return create_time_us_; }
-  void set_create_time_us(std::int64_t time_us) { create_time_us_ = time_us; }
+  // The id in the store (DatabaseRecord); 0 if the store is not shared. Set before it is visible to
+  // callers.
+  std::int64_t id() const { return id_; }
+  void set_id(std::int64_t id) { id_ = id; }
 
   // The marker scheme of the database; null in a `source` database without clips. DATA_LOSS if the
   // stored scheme could not be read.
@@ -146,7 +147,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   const std::string name_;
   const core::BuildSettings settings_;
-  std::int64_t create_time_us_ = 0;
+  std::int64_t id_ = 0;
   const std::shared_ptr<ChangeSignal> signal_ = std::make_shared<ChangeSignal>();
   DatabaseCatalog catalog_;
   FilterMasks masks_;

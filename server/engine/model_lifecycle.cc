@@ -110,8 +110,8 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
     is_storing_request_ = false;
     changed_.NotifyAll();
   };
-  MOTIONDB_ASSIGN_OR_RETURN(auto operation,
-                            services_.operations.Create(database_.name(), cancelled, kind));
+  MOTIONDB_ASSIGN_OR_RETURN(auto operation, services_.operations.Create(database_.name(), cancelled,
+                                                                        kind, database_.id()));
   const MutexLock lock(mutex_);
   Enqueue({operation.id});
   return operation;

@@ -25,7 +25,7 @@ absl::StatusOr<ModelLifecycle::Lease> ModelLifecycle::AcquireLease() {
   if (!acquired.ok()) return acquired.status();
   // The lease names a database. If it was created again later, the lease is lost.
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, services_.store.GetDatabase(database_.name()));
-  if (record.create_time_us != database_.create_time_us()) {
+  if (record.id != database_.id()) {
     return core::NotFound("database '{}' was deleted and created again", database_.name());
   }
   ++acquired_leases_;

@@ -196,6 +196,11 @@ absl::Status Engine::PublishImport(storage::DatabaseImport& import,
   const storage::ReadScope scope(never);
   storage::DatabaseRecord record = content.record;
   record.name = database;
+  if (store_->is_shared()) {
+    auto stored = store_->GetDatabase(database);
+    if (!stored.ok()) return absl::OkStatus();  // it is served when a call needs it
+    record = *std::move(stored);
+  }
   LiveDatabases databases;
   const auto live = databases[database] = Serve(record);
   absl::Status status = ReadDatabase(*live, record);

@@ -62,8 +62,10 @@ absl::Status SqlMotionStore::ReplaceMarkerSet(const std::string& database,
 
 absl::Status SqlMotionStore::DeleteDatabase(const std::string& database,
                                             const WriteOptions& terms) {
-  return WriteWith(
-      terms, [&](Connection& connection) { return MarkDatabaseDeleted(connection, database); });
+  const auto remove = [&](Connection& connection) {
+    return MarkDatabaseDeleted(connection, database, terms.database_id);
+  };
+  return WriteWith({terms.audit, terms.cancelled}, remove);
 }
 
 absl::StatusOr<std::vector<DatabaseState>> SqlMotionStore::ListDatabaseStates() {

@@ -12,6 +12,7 @@
 #include "storage/sql/sql_motion_store.h"
 #include "storage/sql/tables/audit_table.h"
 #include "storage/sql/tables/clip_table.h"
+#include "storage/sql/tables/database_table.h"
 
 namespace motiondb::storage {
 
@@ -31,6 +32,9 @@ auto SqlMotionStore::WriteWith(const WriteOptions& terms, const Work& work, Adde
                                Priority priority) {
   const auto write = [&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
     auto result = work(connection);
+    if (StatusOf(result).ok() && terms.database_id != 0) {
+      MOTIONDB_RETURN_IF_ERROR(CheckHasDatabase(connection, terms.database_id));
+    }
     if (StatusOf(result).ok() && terms.audit != nullptr) {
       MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *terms.audit));
     }

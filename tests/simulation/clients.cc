@@ -337,12 +337,8 @@ absl::Status Clients::WaitForOperation() {
 void Clients::NoteOperation(const OperationRecord& operation) {
   KnownOperation& known = operations_[operation.id];
   known.life = history_.LifeOfOperation(operation.id);
-  // A server that does not know of the deletion can run the operation in a new database of the
-  // name.
-  if (const auto of = history_.lives().find(known.life);
-      of != history_.lives().end() && (of->second.is_deleted || of->second.has_lacked_markers)) {
-    return;
-  }
+  const auto of = history_.lives().find(known.life);
+  if (of != history_.lives().end() && of->second.is_deleted) return;  // it ends with its database
   // A server that runs a cancelled operation shows it as running until it stops.
   if (known.result && operation.done() && *known.result != operation.state) {
     World::Current().Fail(fmt::format("operation {} had ended with {}, and is now {}",

@@ -99,8 +99,7 @@ void Cluster::CheckServed(const Process* process) {
       const server::ServedModel served = live->lifecycle().served();
       Served& seen = server.served[live.get()];
       if (seen.database.lock() != live) {
-        const DatabaseLife* const life = history_.Find(live->name());
-        seen = {live, life == nullptr ? 0 : life->id, nullptr, -1, 0};
+        seen = {live, live->id(), nullptr, -1, 0};
       }
       const bool is_same = seen.record == served.record() && seen.revision == served.revision;
       if (is_same) continue;

@@ -118,7 +118,7 @@ void History::ReadContents() {
                        life.contents.back().revision, state.revision));
     }
     if (!content.clips.empty() && store_.GetDatabase(state.name)->marker_set_text.empty()) {
-      life.has_lacked_markers = true;
+      Fail(fmt::format("{} has clips, but not the markers of the first one", state.name));
     }
     if (content.clips != life.clips()) life.contents.push_back(std::move(content));
   }
@@ -149,6 +149,9 @@ std::int64_t History::LastFence(const DatabaseLife& life) {
 }
 
 void History::CheckTerms(const StoreCall& call, const DatabaseLife& life, int replaced) {
+  if (call.terms->fence >> 32 != life.id) {  // it begins with the id
+    Fail(fmt::format("a builder of a deleted database has stored a model of {}", life.name));
+  }
   if (const std::int64_t fence = LastFence(life); call.terms->fence < fence) {
     Fail(fmt::format("a fenced builder has stored a model of {}: its lease is {}, the last is {}",
                      life.name, call.terms->fence, fence));

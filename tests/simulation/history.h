@@ -50,9 +50,6 @@ struct DatabaseLife {
   std::map<int, StoredModel> models;     // by version
   int current_model = 0;                 // 0: none
   std::int64_t model_revision = 0;       // of the database, after the last model
-  // A server that did not know of the deletion of a former life has stored the first clip, without
-  // the markers. Until another clip brings them, no model can be built.
-  bool has_lacked_markers = false;
   // The last time at which an operation was cancelled or has failed; none since a later change. The
   // model then waits for the next change.
   std::optional<Time> incomplete;

@@ -42,7 +42,8 @@ int main(int argc, char** argv) {
   const std::map<std::string, Protection> protections = {
       {"fence", Protection::kFence},
       {"compare-and-set", Protection::kCompareAndSet},
-      {"revision", Protection::kRevision}};
+      {"revision", Protection::kRevision},
+      {"database", Protection::kDatabase}};
   app.add_option("--without", removed, "Protection of the store to remove: a seed must then fail")
       ->transform(CLI::CheckedTransformer(protections));
   app.add_flag("--trace", trace, "Print the events and the log of the servers");

@@ -199,7 +199,10 @@ absl::Status SimulatedStore::DeleteDatabase(const std::string& database,
 
 absl::StatusOr<storage::ClipRecord> SimulatedStore::AddClip(const storage::NewClip& clip) {
   const CallScope scope({"AddClip", clip.record.database, clip.record.id});
-  return SqlMotionStore::AddClip(clip);
+  if (server_.removed() != Protection::kDatabase) return SqlMotionStore::AddClip(clip);
+  storage::NewClip of_any = clip;
+  of_any.database_id = 0;
+  return SqlMotionStore::AddClip(of_any);
 }
 
 absl::StatusOr<storage::ClipRecord> SimulatedStore::ReplaceClip(const storage::ClipRecord& before,
@@ -269,7 +272,7 @@ absl::Status SimulatedStore::PutOperation(const storage::OperationRecord& record
 
 storage::ModelTerms SimulatedStore::Weakened(storage::ModelTerms terms) const {
   if (server_.removed() == Protection::kFence) {
-    terms.fence = std::numeric_limits<std::int64_t>::max();
+    terms.fence |= std::numeric_limits<std::uint32_t>::max();  // the last one of the database
   }
   if (server_.removed() == Protection::kCompareAndSet) terms.base_version.reset();
   return terms;

@@ -18,7 +18,7 @@ namespace motiondb::simulation {
 
 // A protection of the store that a simulation can remove, to show that it is needed and that its
 // absence is found.
-enum class Protection { kNone, kFence, kCompareAndSet, kRevision };
+enum class Protection { kNone, kFence, kCompareAndSet, kRevision, kDatabase };
 
 // A change of the store by a server.
 struct StoreCall {

@@ -139,7 +139,6 @@ class Simulation {
     for (const auto& [id, life] : history_.lives()) {
       if (life.is_deleted) continue;
       ++count;
-      if (life.has_lacked_markers) continue;
       for (int server = 0; server < cluster.size(); ++server) {
         CheckDatabase(cluster, server, life, is_complete || !life.incomplete);
       }
@@ -188,7 +187,7 @@ class Simulation {
   void AskForModels(Cluster& cluster, Clients& clients) {
     for (int server = 0; server < cluster.size(); ++server) {
       for (const auto& [id, life] : history_.lives()) {
-        if (life.is_deleted || life.has_lacked_markers || life.clips().empty()) continue;
+        if (life.is_deleted || life.clips().empty()) continue;
         for (int call = 0; call < 3; ++call) clients.AskForLastModel(server, life);
       }
     }

@@ -37,12 +37,14 @@ void LogUnstored(const std::string& id, const absl::Status& error) {
 
 absl::StatusOr<OperationRecord> OperationRegistry::Create(const std::string& database,
                                                           const core::Cancelled& cancelled,
-                                                          storage::OperationKind kind) {
+                                                          storage::OperationKind kind,
+                                                          std::int64_t database_id) {
   OperationRecord record;
   record.kind = kind;
   record.create_time_us = NowMicroseconds();
   record.id = NewOperationId(record.create_time_us);
   record.database = database;
+  record.database_id = database_id;
   return Add(std::move(record), cancelled);
 }
 

@@ -33,11 +33,12 @@ class OperationRegistry {
       : store_(store), is_shared_(store.is_shared()) {}
 
   // Creates a PENDING operation and tries to store it. Ids are unique across restarts and ascend
-  // with time. NOT_FOUND, here and in Adopt, if the database does not exist. CANCELLED, here and in
+  // with time. NOT_FOUND, here and in Adopt, if the database does not exist; ABORTED if another one
+  // than that with `database_id` (0: any) has its name. CANCELLED, here and in
   // Cancel, with nothing changed, if cancelled before it was stored.
   absl::StatusOr<storage::OperationRecord> Create(
       const std::string& database, const core::Cancelled& cancelled = {},
-      storage::OperationKind kind = storage::OperationKind::kRebuild);
+      storage::OperationKind kind = storage::OperationKind::kRebuild, std::int64_t database_id = 0);
   // Resumes an unfinished operation of a previous server: it becomes PENDING.
   absl::StatusOr<storage::OperationRecord> Adopt(storage::OperationRecord record);
 

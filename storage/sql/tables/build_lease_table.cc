@@ -1,5 +1,7 @@
 #include "storage/sql/tables/build_lease_table.h"
 
+#include <algorithm>
+
 #include "core/motion/error.h"
 
 namespace motiondb::storage {
@@ -17,6 +19,14 @@ absl::StatusOr<LeaseRow> SelectLease(Connection& connection, std::int64_t databa
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return LeaseRow{};
   return LeaseRow{row.Text(0), row.Integer(1), row.Integer(2)};
+}
+
+// Fencing numbers begin with the key of their database, so that those of a deleted database are not
+// valid for another one with its name.
+constexpr int kFenceBits = 32;
+
+std::int64_t NextFence(std::int64_t database_key, std::int64_t last_fence) {
+  return std::max(last_fence, database_key << kFenceBits) + 1;
 }
 
 absl::Status LeaseIsLost(const LeaseRow& last, std::int64_t fence) {
@@ -53,7 +63,7 @@ absl::StatusOr<std::int64_t> AcquireLease(Connection& connection, std::int64_t d
   if (!is_free) {
     return absl::AbortedError(fmt::format("'{}' has the build lease of the database", last.holder));
   }
-  const std::int64_t fence = last.fence + 1;
+  const std::int64_t fence = NextFence(database_key, last.fence);
   const char* const sql =
       last.fence == 0
           ? "INSERT INTO build_lease (holder, fence, expire_time_us, database_key) VALUES (?, ?, "
@@ -81,7 +91,8 @@ absl::Status ReleaseLease(Connection& connection, std::int64_t database_key, std
 
 absl::Status CheckFence(Connection& connection, std::int64_t database_key, std::int64_t fence) {
   MOTIONDB_ASSIGN_OR_RETURN(const LeaseRow last, SelectLease(connection, database_key));
-  return fence < last.fence ? LeaseIsLost(last, fence) : absl::OkStatus();
+  const bool is_of_another = fence != 0 && fence >> kFenceBits != database_key;
+  return fence < last.fence || is_of_another ? LeaseIsLost(last, fence) : absl::OkStatus();
 }
 
 }  // namespace motiondb::storage

@@ -19,7 +19,8 @@ absl::Status RenewLease(Connection& connection, std::int64_t database_key, std::
                         std::int64_t expire_time_us);
 absl::Status ReleaseLease(Connection& connection, std::int64_t database_key, std::int64_t fence);
 
-// ABORTED if `fence` is lower than that of the last lease of the database; 0: it has had none.
+// ABORTED if `fence` is lower than that of the last lease of the database, or of another database;
+// 0: it has had none.
 absl::Status CheckFence(Connection& connection, std::int64_t database_key, std::int64_t fence);
 
 }  // namespace motiondb::storage

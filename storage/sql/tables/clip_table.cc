@@ -154,7 +154,7 @@ absl::StatusOr<ClipRecord> InsertAfter(Connection& connection, const NewClip& cl
                                        const std::vector<SegmentRecord>& former) {
   MOTIONDB_RETURN_IF_ERROR(CheckFrameCount(clip.record, clip.states));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
-                            FindDatabase(connection, clip.record.database));
+                            FindDatabase(connection, clip.record.database, clip.database_id));
   ClipRecord record = clip.record;
   MOTIONDB_ASSIGN_OR_RETURN(record.id, ChooseId(connection, database_key, clip));
   if (clip.marker_set_text) {
@@ -205,7 +205,7 @@ absl::StatusOr<ClipRecord> SelectSameClip(Connection& connection, const NewClip&
 absl::StatusOr<ClipRecord> ReplaceClip(Connection& connection, const ClipRecord& before,
                                        const NewClip& clip, FreePolicy remains) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
-                            FindDatabase(connection, before.database));
+                            FindDatabase(connection, before.database, clip.database_id));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindListed(connection, database_key, before));
   if (key == 0) {
     return absl::AbortedError(fmt::format("{} was deleted or replaced by another call: try again",

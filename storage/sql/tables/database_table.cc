@@ -12,7 +12,7 @@ namespace {
 std::string SelectDatabases(std::string_view condition) {
   return fmt::format(
       "SELECT name, frame_rate_hz, min_frames, scaling, marker_set, marker_set_text, "
-      "create_time_us, glitches FROM database WHERE deleted = 0 AND {}",
+      "create_time_us, glitches, database_key FROM database WHERE deleted = 0 AND {}",
       condition);
 }
 
@@ -26,12 +26,18 @@ absl::StatusOr<DatabaseRecord> ToDatabaseRecord(const Statement& row) {
   record.marker_set_text = row.Text(5);
   record.create_time_us = row.Integer(6);
   MOTIONDB_ASSIGN_OR_RETURN(record.settings.glitches, FromText<core::GlitchPolicy>(row.Text(7)));
+  record.id = row.Integer(8);
   return record;
 }
 
 absl::Status NoDatabase(const std::string& name) {
   return core::WithReason("DATABASE_NOT_FOUND",
                           core::NotFound("database '{}' does not exist", name));
+}
+
+absl::Status IsAnother() {
+  return absl::AbortedError(
+      "the database was deleted during the call, and another one has its name: try again");
 }
 
 // Names the database in ALREADY_EXISTS of a write.
@@ -86,8 +92,8 @@ absl::StatusOr<std::vector<DatabaseState>> SelectDatabaseStates(Connection& conn
   }
 }
 
-absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, name));
+absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name, std::int64_t id) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, name, id));
   // Frees the name. Names of existing databases contain no slash.
   MOTIONDB_RETURN_IF_ERROR(
       connection
@@ -110,14 +116,23 @@ absl::Status ShowDatabase(Connection& connection, std::int64_t database_key,
   return connection.SetRowChecksum("database", database_key);
 }
 
-absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name) {
+absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name,
+                                          std::int64_t id) {
   Statement row = connection.Query(
       fmt::format("SELECT database_key FROM database WHERE name = ? AND deleted = 0{}",
                   connection.row_lock()),
       name);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoDatabase(name);
+  if (id != 0 && row.Integer(0) != id) return IsAnother();
   return row.Integer(0);
+}
+
+absl::Status CheckHasDatabase(Connection& connection, std::int64_t id) {
+  Statement row =
+      connection.Query("SELECT 1 FROM database WHERE database_key = ? AND deleted = 0", id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  return found ? absl::OkStatus() : IsAnother();
 }
 
 absl::Status CheckHasNoDatabases(Connection& connection) {

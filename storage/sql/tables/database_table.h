@@ -18,14 +18,19 @@ absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connecti
 // See MotionStore::ListDatabaseStates.
 absl::StatusOr<std::vector<DatabaseState>> SelectDatabaseStates(Connection& connection);
 // Makes a database invisible and its name free; FreeDeletedDatabases removes its content.
-absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name);
+// `id`: see FindDatabase.
+absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name, std::int64_t id);
 
 // Makes a hidden database, with a free name, visible. ALREADY_EXISTS.
 absl::Status ShowDatabase(Connection& connection, std::int64_t database_key,
                           const std::string& name);
 
-// Returns the key of a database. NOT_FOUND if it does not exist.
-absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name);
+// Returns the key of a database, which is its id. NOT_FOUND if it does not exist. ABORTED if its id
+// is not `id`; 0: any.
+absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name,
+                                          std::int64_t id = 0);
+// ABORTED if the database with this id is deleted.
+absl::Status CheckHasDatabase(Connection& connection, std::int64_t id);
 
 // FAILED_PRECONDITION if there is a database: a restore requires a store without databases.
 absl::Status CheckHasNoDatabases(Connection& connection);

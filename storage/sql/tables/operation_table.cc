@@ -16,7 +16,7 @@ constexpr int kOperationsKept = 1000;  // finished operations to keep, per datab
 std::string SelectOperations(std::string_view condition) {
   return fmt::format(
       "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
-      "operation.create_time_us, update_time_us, kind FROM operation JOIN database "
+      "operation.create_time_us, update_time_us, kind, database_key FROM operation JOIN database "
       "USING (database_key) WHERE deleted = 0 AND {}",
       condition);
 }
@@ -34,6 +34,7 @@ absl::StatusOr<OperationRecord> ToOperationRecord(const Statement& row) {
   record.create_time_us = row.Integer(8);
   record.update_time_us = row.Integer(9);
   MOTIONDB_ASSIGN_OR_RETURN(record.kind, FromText<OperationKind>(row.Text(10)));
+  record.database_id = row.Integer(11);
   return record;
 }
 
@@ -94,6 +95,9 @@ absl::Status UpsertOperation(Connection& connection, const OperationRecord& reco
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
                             FindDatabase(connection, record.database));
   MOTIONDB_RETURN_IF_ERROR(CheckMayChange(connection, record.id, database_key));
+  if (record.database_id != 0 && record.database_id != database_key) {
+    return FindDatabase(connection, record.database, record.database_id).status();
+  }
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("INSERT INTO operation (id, database_key, state, progress, stage, model_version, "

@@ -107,13 +107,18 @@ void Create(OneServer& server, const std::string& name) {
                                            {server::kSourceMarkerSet, ""}));
 }
 
-storage::OperationRecord Ingest(OneServer& server, const std::string& clip, double phase) {
+absl::StatusOr<server::Ingested> TryIngest(OneServer& server, const std::string& clip,
+                                           double phase) {
   const auto live = Require(server.engine->FindDatabase("d"));
   const auto in_flight = Require(server.engine->BeginIngest(live));
   storage::NewClip request;
   request.record.file_name = clip + ".bvh";
   request.file_bytes = WriteBvh(Walk(phase));
-  return Require(server.engine->Ingest(live, {std::move(request)}, {})).operation;
+  return server.engine->Ingest(live, {std::move(request)}, {});
+}
+
+storage::OperationRecord Ingest(OneServer& server, const std::string& clip, double phase) {
+  return Require(TryIngest(server, clip, phase)).operation;
 }
 
 template <typename Condition>
@@ -263,6 +268,48 @@ TEST_CASE("Engines on one store: a model is replaced while a server that starts 
   const auto served = Require(b.engine->FindDatabase("d"))->lifecycle().snapshot();
   REQUIRE(served != nullptr);
   CHECK(static_cast<std::size_t>(served->record.clip_count) == served->model.clips().size());
+}
+
+TEST_CASE("Engines on one store: a change of a deleted database is not made in one of its name",
+          "[server][servers]") {
+  const auto store = NewStore();
+  OneServer a(store);
+  OneServer b(store);
+  const std::string clip = BuildOneClip(a, *store);
+  Await([&] { return Serves(b, 1); });
+  Create(b, "other");  // SQLite uses the last key again
+  // From now on, `b` does not see what `a` changes.
+  b.is_stopped = true;
+  Await([&] { return b.engine->SecondsSinceLook() > 1.1; });
+  REQUIRE_OK(a.engine->DeleteDatabase("d"));
+  Create(a, "d");
+
+  const auto is_refused = [](const auto& changed) {
+    return motiondb::tests::StatusOf(changed).code() == absl::StatusCode::kAborted;
+  };
+  const auto stale = Require(b.engine->FindDatabase("d"));
+  CHECK(is_refused(TryIngest(b, "walk", 0.2)));
+  CHECK(is_refused(b.engine->ReprocessDatabase("d")));
+  CHECK(Require(store->ListClips("d", {})).empty());
+  CHECK(Require(store->ListOperations("d", "", 10)).empty());
+  Ingest(a, "walk", 0.1);
+  Await([&] { return Serves(a, 1); });
+  CHECK(is_refused(TryIngest(b, "walk", 0.2)));
+  CHECK(is_refused(b.engine->DeleteClip("d", clip)));
+  storage::ClipChange label{.clip = clip};
+  label.label = "stroll";
+  CHECK(is_refused(b.engine->Edit("d", std::vector<storage::Change>{label}, "somebody")));
+  CHECK(Require(store->ListClips("d", {})).size() == 1);
+  CHECK(Require(store->GetClip("d", clip)).label != "stroll");
+
+  b.is_stopped = false;
+  Await([&] {
+    b.engine->LookNow();
+    const auto live = b.engine->FindDatabase("d");
+    return live.ok() && *live != stale && Serves(b, 1);
+  });
+  REQUIRE_OK(TryIngest(b, "walk", 0.2));
+  Await([&] { return Serves(a, 2) && Serves(b, 2); });
 }
 
 TEST_CASE("Engines on one store: a build is cancelled on any server", "[server][servers]") {

@@ -28,7 +28,7 @@ struct OneDatabase {
   OneDatabase() {
     spdlog::set_level(spdlog::level::off);
     REQUIRE_OK(store.CreateDatabase({.name = "d"}));
-    live->set_create_time_us(Require(store.GetDatabase("d")).create_time_us);
+    live->set_id(Require(store.GetDatabase("d")).id);
     live->Serve(std::make_unique<server::ModelLifecycle>(
         *live,
         server::LifecycleServices{store, operations, corruptions, executor, options, "one"}));

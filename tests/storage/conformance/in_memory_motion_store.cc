@@ -36,9 +36,10 @@ std::string ChooseFreeId(const Map& map, const std::string& wanted) {
 }  // namespace
 
 absl::StatusOr<InMemoryMotionStore::Database*> InMemoryMotionStore::Find(
-    const std::string& database) {
+    const std::string& database, std::int64_t id) {
   const auto found = databases_.find(database);
   if (found == databases_.end()) return core::NotFound("database '{}' does not exist", database);
+  if (id != 0 && id != found->second.id) return absl::AbortedError("another one has its name");
   return &found->second;
 }
 
@@ -64,7 +65,7 @@ absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record,
   }
   Database& made = databases_[record.name];
   made.record = record;
-  made.id = ++last_id_;
+  made.id = made.record.id = ++last_id_;
   return Note(terms);
 }
 
@@ -96,7 +97,7 @@ absl::Status InMemoryMotionStore::ReplaceMarkerSet(const std::string& database,
                                                    const std::string& text,
                                                    const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(Database* const found, Find(database));
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const found, Find(database, terms.database_id));
   if (found->record.marker_set_text != before) return absl::AbortedError("marker set changed");
   found->record.marker_set_text = text;
   return Note(terms);
@@ -105,7 +106,7 @@ absl::Status InMemoryMotionStore::ReplaceMarkerSet(const std::string& database,
 absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database,
                                                  const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
-  MOTIONDB_RETURN_IF_ERROR(Find(database).status());
+  MOTIONDB_RETURN_IF_ERROR(Find(database, terms.database_id).status());
   databases_.erase(database);
   std::erase_if(operations_, [&](const auto& record) { return record.database == database; });
   return Note(terms);
@@ -113,7 +114,7 @@ absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database,
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
   const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(clip.record.database));
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(clip.record.database, clip.database_id));
   return Add(*in, clip, {});
 }
 
@@ -192,7 +193,7 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::FindSameClip(const NewClip& clip
 absl::StatusOr<ClipRecord> InMemoryMotionStore::ReplaceClip(const ClipRecord& before,
                                                             const NewClip& clip) {
   const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(before.database));
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(before.database, clip.database_id));
   const auto stored = in->clips.find(before.id);
   if (stored == in->clips.end() || stored->second.record.content_hash != before.content_hash ||
       stored->second.record.create_time_us != before.create_time_us) {
@@ -233,7 +234,7 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::DeleteClip(const std::string& da
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
   ClipRecord record = found->record;
-  Database* const in = *Find(database);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database, terms.database_id));
   Remove(*in, clip);
   Bury(*in, {clip, ""}, ++in->revision);
   MOTIONDB_RETURN_IF_ERROR(Note(terms));
@@ -330,14 +331,16 @@ absl::StatusOr<std::vector<SkeletonRecord>> InMemoryMotionStore::ListSkeletons(
 absl::Status InMemoryMotionStore::PutOperation(const OperationRecord& record,
                                                const core::Cancelled&) {
   const std::lock_guard lock(mutex_);
-  MOTIONDB_RETURN_IF_ERROR(Find(record.database).status());
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(record.database, record.database_id));
   const auto stored = std::ranges::find(operations_, record.id, &OperationRecord::id);
   if (stored == operations_.end()) {
     operations_.push_back(record);
+    operations_.back().database_id = in->id;
   } else if (stored->done()) {
     return absl::AbortedError("the operation has already ended");
   } else {
     *stored = record;
+    stored->database_id = in->id;
   }
   return absl::OkStatus();
 }

@@ -213,12 +213,14 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
   // See ModelTerms.
   static absl::Status CheckTerms(const Database& in, const storage::ModelTerms& terms);
   absl::Status Note(const storage::WriteOptions& terms);
-  absl::StatusOr<Database*> Find(const std::string& database);
+  // `id` 0: any.
+  absl::StatusOr<Database*> Find(const std::string& database, std::int64_t id = 0);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);
 
   const std::int64_t put_time_us_;
   const std::function<std::int64_t()> lease_time_us_;
   std::int64_t last_id_ = 0;  // of a database
+  std::int64_t last_fence_ = 0;
   std::mutex mutex_;
   std::map<std::string, Database> databases_;
   std::vector<storage::OperationRecord> operations_;  // oldest first

@@ -86,7 +86,7 @@ absl::StatusOr<EditRecord> InMemoryMotionStore::Edit(const std::string& database
                                                      const std::string& author,
                                                      const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database, terms.database_id));
   const auto plan = [&](const storage::LoadClip& load, const storage::ChangeStamp& stamp) {
     return storage::PlanEdit(database, changes, load, stamp);
   };
@@ -98,7 +98,7 @@ absl::StatusOr<EditRecord> InMemoryMotionStore::UndoEdit(const std::string& data
                                                          const std::string& author,
                                                          const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database, terms.database_id));
   const auto found = std::ranges::find(in->edits, edit, &EditRecord::id);
   if (found == in->edits.end()) return storage::NoEdit(database, edit);
   const EditRecord undone = *found;

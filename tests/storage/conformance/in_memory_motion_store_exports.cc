@@ -115,7 +115,9 @@ absl::Status InMemoryMotionStore::AddCopy(Database copy, const std::string& name
     }
   }
   for (storage::ModelRecord& model : copy.models) model.database = name;
-  copy.id = ++last_id_;
+  copy.id = copy.record.id = ++last_id_;
+  copy.lease_holder.clear();
+  copy.last_fence = 0;
   databases_[name] = std::move(copy);
   return Note(terms);
 }

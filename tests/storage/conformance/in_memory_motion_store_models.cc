@@ -184,7 +184,7 @@ absl::Status InMemoryMotionStore::DropModel(const std::string& database, const M
 }
 
 absl::Status InMemoryMotionStore::CheckTerms(const Database& in, const ModelTerms& terms) {
-  if (terms.fence < in.last_fence) return absl::AbortedError("the build lease has ended");
+  if (terms.fence != in.last_fence) return absl::AbortedError("the build lease has ended");
   const int current = in.model ? static_cast<int>(in.models.size()) : 0;
   if (terms.base_version.value_or(current) == current) return absl::OkStatus();
   return absl::AbortedError(fmt::format("the current model is {}", current));
@@ -200,7 +200,7 @@ absl::StatusOr<std::int64_t> InMemoryMotionStore::AcquireBuildLease(
   }
   in->lease_holder = holder;
   in->lease_expire_us = now_us + std::chrono::microseconds(duration).count();
-  return ++in->last_fence;
+  return in->last_fence = ++last_fence_;
 }
 
 absl::Status InMemoryMotionStore::RenewBuildLease(const std::string& database, std::int64_t fence,

@@ -9,6 +9,7 @@
 #include "tests/storage/conformance/clip_conformance.h"
 #include "tests/storage/conformance/exported_database_conformance.h"
 #include "tests/storage/conformance/model_conformance.h"
+#include "tests/storage/conformance/recreated_database_conformance.h"
 #include "tests/storage/faults/store_pages.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
@@ -155,6 +156,7 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
   }
   SECTION("a model is read from the one that it extends") { TestReadExtension(*store); }
   SECTION("states of databases tell what has changed") { TestDatabaseStates(*store); }
+  SECTION("a database that is created again is another one") { TestRecreatedDatabase(*store); }
   SECTION("operations are stored and listed newest first") { TestOperations(*store); }
   SECTION("segments are edited") { TestSegments(*store); }
   SECTION("a label is a segment") { TestLabels(*store); }

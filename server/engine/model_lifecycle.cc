@@ -234,7 +234,9 @@ void ModelLifecycle::BuildIfDue() {
   running_ = nullptr;
   if (build->is_deferred) {
     waiting_.push_front({build->operation});
-    not_before_ = services_.executor.Now() + kDeferral;
+    awaits_change_ = build->is_newer;
+    not_before_ = services_.executor.Now() +
+                  (build->is_newer ? services_.options.rebuild_retry_delay : kDeferral);
   }
   ArmBuild();
   const bool out_of_space = absl::IsResourceExhausted(ended) || absl::IsUnavailable(ended);

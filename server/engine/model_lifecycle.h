@@ -46,7 +46,8 @@
 // Several servers may share the store (MotionStore::is_shared). Then each of them has a lifecycle
 // of the database:
 // - A build, and an extension, needs the lease of the database (BuildLease). A build that does not
-//   get it, or that cannot reach the store, waits for another second.
+//   get it, or that cannot reach the store, waits for another second. One that cannot read what a
+//   newer server has stored waits for the next change, or rebuild_retry_delay.
 // - Unfinished operations of other servers wait here too (Follow), a little longer than there: if
 //   their server has stopped, this one runs them.
 // - A request joins a waiting operation only if it is PENDING in the store. Its server, whichever
@@ -212,6 +213,7 @@ class ModelLifecycle {
     std::string operation;
     Lease lease;
     bool is_deferred = false;  // the operation waits again
+    bool is_newer = false;     // until this server can read what a newer one has stored
     std::atomic<StopReason> stop{StopReason::kNone};
     bool is_fenced() const { return lease != nullptr && lease->is_lost(); }
     bool stopped() const { return stop != StopReason::kNone || is_fenced(); }
@@ -379,6 +381,7 @@ class ModelLifecycle {
   // More than one only after a restart, and if several servers share the store.
   std::deque<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
   Executor::Clock::time_point not_before_ ABSL_GUARDED_BY(mutex_);  // of the next build
+  bool awaits_change_ ABSL_GUARDED_BY(mutex_) = false;  // a change of the database ends not_before_
   std::shared_ptr<Build> running_ ABSL_GUARDED_BY(mutex_);
   bool is_storing_request_ ABSL_GUARDED_BY(mutex_) = false;
   bool is_closed_ ABSL_GUARDED_BY(mutex_) = false;

@@ -179,6 +179,7 @@ bool ModelLifecycle::EndUnfinished(Build& build, const absl::Status& built) {
   }
   if (build.lease != nullptr) services_.operations.Postpone(build.operation);
   build.is_deferred = true;
+  build.is_newer = is_newer;
   return true;
 }
 
@@ -203,6 +204,10 @@ void ModelLifecycle::Follow(const std::vector<std::string>& unfinished, bool is_
     }
     if (is_changed && std::ranges::all_of(waiting_, &Waiting::is_foreign)) {
       last_request_ = services_.executor.Now();
+      ArmBuild();
+    }
+    if (is_changed && std::exchange(awaits_change_, false)) {
+      not_before_ = services_.executor.Now();
       ArmBuild();
     }
     if (is_changed) ScheduleUpdate();

@@ -382,6 +382,7 @@ TEST_CASE("Engines on one store: an older server does not replace a model of a n
           "[server][servers]") {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::duration<double>(GENERATE(0, 3600));
+  options.rebuild_retry_delay = seconds(2);
   const auto store = NewStore();
   OneServer old(store, options);
   BuildOneClip(old, *store);

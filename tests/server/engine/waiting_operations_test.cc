@@ -12,6 +12,7 @@
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/work/operation_registry.h"
 #include "server/engine/work/options.h"
+#include "storage/blob/newer_format.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/support/gated_store.h"
@@ -22,6 +23,25 @@ namespace {
 
 using std::chrono::seconds;
 using storage::OperationState;
+
+// Access to a store that a newer server may have written to.
+class NewerStore final : public SharedStore {
+ public:
+  using SharedStore::SharedStore;
+  absl::StatusOr<std::int64_t> AcquireBuildLease(const std::string& database,
+                                                 const std::string& holder,
+                                                 std::chrono::milliseconds duration) override {
+    ++build_count;
+    return SharedStore::AcquireBuildLease(database, holder, duration);
+  }
+  absl::StatusOr<storage::ModelStaleness> FindModelStaleness(const std::string& database) override {
+    if (is_newer) return storage::NewerFormat("model");
+    return SharedStore::FindModelStaleness(database);
+  }
+
+  bool is_newer = false;
+  int build_count = 0;
+};
 
 // A server with an empty database.
 struct OneDatabase {
@@ -35,19 +55,25 @@ struct OneDatabase {
   }
 
   // As the engine does after each look at the store.
-  void Follow() {
+  void Follow(bool is_changed = false) {
     const auto unfinished = Require(store.ListUnfinishedOperations());
     operations.Follow(unfinished);
     std::vector<std::string> ids;
     for (const auto& operation : unfinished) ids.push_back(operation.id);
-    live->lifecycle().Follow(ids, /*is_changed=*/false);
+    live->lifecycle().Follow(ids, is_changed);
+  }
+  // Looks each second.
+  void Run(seconds time) {
+    for (seconds passed{0}; passed < time; passed += seconds(1)) {
+      executor.RunUntil(executor.Now() + seconds(1));
+      Follow();
+    }
   }
   OperationState StateOf(const std::string& operation) {
     return Require(store.GetOperation(operation)).state;
   }
 
-  SharedStore store{Require(storage::SqliteMotionStore::Open(":memory:")),
-                    std::make_shared<Gate>()};
+  NewerStore store{Require(storage::SqliteMotionStore::Open(":memory:")), std::make_shared<Gate>()};
   server::OperationRegistry operations{store};
   server::OperationRegistry of_another_server{store};
   server::CorruptionLog corruptions;
@@ -73,6 +99,25 @@ TEST_CASE("Lifecycle: an operation of another server runs after the own one was 
   server.executor.RunUntil(server.executor.Now() + seconds(10));
   CHECK(server.StateOf(other.id) == OperationState::kSucceeded);
   CHECK(server.StateOf(own.id) == OperationState::kCancelled);
+}
+
+TEST_CASE("Lifecycle: what a newer server has stored is tried again after a change, or a minute",
+          "[server][servers]") {
+  OneDatabase server;
+  server.store.is_newer = true;
+  const auto operation = Require(server.live->lifecycle().Request());
+  server.Run(seconds(30));
+  CHECK(server.store.build_count == 1);
+  server.Follow(/*is_changed=*/true);
+  server.Run(seconds(5));
+  CHECK(server.store.build_count == 2);
+  CHECK(Require(server.live->lifecycle().Request()).id == operation.id);
+  server.Run(seconds(50));
+  CHECK(server.store.build_count == 2);
+  CHECK(server.StateOf(operation.id) == OperationState::kPending);
+  server.store.is_newer = false;
+  server.Run(seconds(20));
+  CHECK(server.StateOf(operation.id) == OperationState::kSucceeded);
 }
 
 }  // namespace motiondb::tests::waiting_operations_test

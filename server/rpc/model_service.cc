@@ -4,12 +4,11 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/model.grpc.pb.h"
+#include "server/engine/query/model_query.h"
 #include "server/engine/snapshot.h"
 #include "server/rpc/call.h"
-#include "server/rpc/model_lookup.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
-#include "server/translate/message_fields.h"
 #include "server/translate/model_message.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
@@ -20,18 +19,10 @@ namespace {
 absl::Status GetModel(const Call& call, const v1::GetModelRequest& request,
                       v1::GetModelResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", request.name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
-  if (id.version == 0) {
-    MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer current,
-                              call.engine.CurrentModel(*live, call.work_options()));
-    SetModel(current->record, live->settings(), current.get(), *response.mutable_model());
-    return absl::OkStatus();
-  }
-  MOTIONDB_ASSIGN_OR_RETURN(const auto record,
-                            call.engine.store().GetModel(id.database, id.version));
-  MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer current,
-                            call.engine.ModelIfAny(*live, call.work_options()));
-  SetModel(record, live->settings(), current.get(), *response.mutable_model());
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const ListedModels found,
+      DescribeModel(call.engine, id.database, id.version, call.work_options()));
+  SetModel(found.records.front(), found.settings, found.current.get(), *response.mutable_model());
   return absl::OkStatus();
 }
 
@@ -43,16 +34,14 @@ absl::Status ListModels(const Call& call, const v1::ListModelsRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const std::string token, DecodePageToken(scope, request.page_token()));
   int before = 0;
   std::from_chars(token.data(), token.data() + token.size(), before);
-  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
-                            call.engine.store().ListModels(id, before, size + 1));
-  MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot,
-                            call.engine.ModelIfAny(*live, call.work_options()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const ListedModels listed,
+      ListStoredModels(call.engine, id, before, size + 1, call.work_options()));
   const auto make = [&](const storage::ModelRecord& record, v1::Model& to) {
-    SetModel(record, live->settings(), snapshot.get(), to);
+    SetModel(record, listed.settings, listed.current.get(), to);
   };
   response.set_next_page_token(
-      FillPageFrom(records, size, scope, *response.mutable_models(), make,
+      FillPageFrom(listed.records, size, scope, *response.mutable_models(), make,
                    [](const auto& record) { return std::to_string(record.version); }));
   return absl::OkStatus();
 }
@@ -64,20 +53,18 @@ absl::Status ListNodes(const Call& call, const v1::ListNodesRequest& request,
   const std::string scope =
       fmt::format("{}/models/nodes of layer {}", DatabaseName(id.database), request.layer());
   MOTIONDB_ASSIGN_OR_RETURN(const auto position, DecodeModelPosition(scope, request.page_token()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, ModelOfPage(position, id)));
-  MOTIONDB_RETURN_IF_ERROR(CheckStillCurrent(position, snapshot->record));
-  const core::Model& model = snapshot->model;
-  const auto layer = model.ResolveLayer(request.layer());
-  if (!layer.ok()) return AtField("layer", layer.status());
-
-  const int count = model.tree().node_count(*layer) - position.index;
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const ModelLayer found,
+      FindLayer(call.engine, {id.database, id.version, request.layer(), "", position.model},
+                call.work_options()));
+  const core::Model& model = found.model();
+  const int count = model.tree().node_count(found.layer) - position.index;
   const int taken = FillPage(count, size, *response.mutable_nodes(), [&](int i, v1::Node& node) {
-    SetNode(model, *layer, position.index + i, node);
+    SetNode(model, found.layer, position.index + i, node);
   });
   if (taken < count) {
-    response.set_next_page_token(EncodeModelPosition(
-        scope,
-        {snapshot->record.version, snapshot->record.create_time_us, position.index + taken}));
+    response.set_next_page_token(
+        EncodeModelPosition(scope, {StampOf(*found.snapshot), position.index + taken}));
   }
   return absl::OkStatus();
 }
@@ -85,26 +72,23 @@ absl::Status ListNodes(const Call& call, const v1::ListNodesRequest& request,
 absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest& request,
                              v1::ListTransitionsResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("parent", request.parent()));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string clip, ParseClipIn(id.database, request.clip()));
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 1000, 10'000));
   const std::string scope = fmt::format("{}/models/transitions of layer {} of '{}'",
                                         DatabaseName(id.database), request.layer(), request.clip());
   MOTIONDB_ASSIGN_OR_RETURN(const auto position, DecodeModelPosition(scope, request.page_token()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, ModelOfPage(position, id)));
-  MOTIONDB_RETURN_IF_ERROR(CheckStillCurrent(position, snapshot->record));
-  const core::Model& model = snapshot->model;
-  const auto layer = model.ResolveLayer(request.layer());
-  if (!layer.ok()) return AtField("layer", layer.status());
-  MOTIONDB_ASSIGN_OR_RETURN(const int clip, ClipIndex(request.clip(), id, *snapshot));
-
-  const TransitionList transitions(model, *layer, clip);
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const ModelLayer found,
+      FindLayer(call.engine, {id.database, id.version, request.layer(), clip, position.model},
+                call.work_options()));
+  const TransitionList transitions(found);
   const int count = transitions.edge_count() - position.index;
   const int taken = FillPage(
       count, size, *response.mutable_transitions(),
-      [&](int i, v1::Transition& to) { transitions.SetTransition(position.index + i, to); });
+      [&](int i, v1::Transition& to) { SetTransition(transitions.At(position.index + i), to); });
   if (taken < count) {
-    response.set_next_page_token(EncodeModelPosition(
-        scope,
-        {snapshot->record.version, snapshot->record.create_time_us, position.index + taken}));
+    response.set_next_page_token(
+        EncodeModelPosition(scope, {StampOf(*found.snapshot), position.index + taken}));
   }
   return absl::OkStatus();
 }
@@ -112,7 +96,9 @@ absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest&
 absl::StatusOr<MessageSource<v1::ReadStatesResponse>> OpenStates(
     const Call& call, const v1::ReadStatesRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", request.name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot, FindReadable(call, id));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const SnapshotPointer snapshot,
+      FindReadableModel(call.engine, id.database, id.version, call.work_options()));
   // A frame has its state and its node number, a varint of at most 5 bytes.
   const int frame_bytes = 4 * static_cast<int>(snapshot->model.states().cols()) + 5;
   const int block_frames = std::max(1, (1 << 20) / frame_bytes);

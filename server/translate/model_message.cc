@@ -1,9 +1,8 @@
 #include "server/translate/model_message.h"
 
-#include <algorithm>
-
 #include "core/model/model.h"
 #include "motiondb/v1/model.pb.h"
+#include "server/engine/query/model_query.h"
 #include "server/engine/snapshot.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/record_messages.h"
@@ -60,20 +59,11 @@ void SetStates(const core::Model& model, int first_frame, int end_frame,
   }
 }
 
-TransitionList::TransitionList(const core::Model& model, int layer, int clip)
-    : clip_(clip < 0 ? nullptr : model.clip_graph(layer, clip)),
-      graph_(clip_ == nullptr ? model.global_graph(layer) : clip_->transitions) {}
-
-void TransitionList::SetTransition(int edge, v1::Transition& message) const {
-  const auto& row_begin = graph_.row_begin();
-  const int from =
-      static_cast<int>(std::ranges::upper_bound(row_begin, edge) - row_begin.begin()) - 1;
-  const core::Edge& seen = graph_.edges()[edge];
-  message.set_from_node_id(NodeOf(from));
-  message.set_to_node_id(NodeOf(seen.to));
-  message.set_count(seen.count);
-  message.set_probability(static_cast<double>(seen.count) /
-                          static_cast<double>(graph_.row_sum(from)));
+void SetTransition(const Transition& transition, v1::Transition& message) {
+  message.set_from_node_id(transition.from);
+  message.set_to_node_id(transition.to);
+  message.set_count(transition.count);
+  message.set_probability(transition.probability);
 }
 
 }  // namespace motiondb::server

@@ -1,10 +1,8 @@
 // Converts models, nodes, transitions and states to messages.
 #pragma once
 
-#include <memory>
-
-#include "core/graph/transition_graph.h"
-#include "server/engine/snapshot.h"
+#include "core/model/build_settings.h"
+#include "storage/records.h"
 
 namespace motiondb::core {
 class Model;
@@ -19,6 +17,9 @@ class ReadStatesResponse;
 
 namespace motiondb::server {
 
+struct Snapshot;
+struct Transition;
+
 // Sets the statistics of a stored or current model. `snapshot` is the current model of the
 // database, or null.
 void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
@@ -31,20 +32,6 @@ void SetNode(const core::Model& model, int layer, int node, v1::Node& message);
 void SetStates(const core::Model& model, int first_frame, int end_frame,
                v1::ReadStatesResponse& message);
 
-// The transitions of a layer, of all clips or of one clip, in order of (from, to).
-class TransitionList {
- public:
-  // `clip`: index into Model::clips(), or -1 for the global graph. The model must outlive the list.
-  TransitionList(const core::Model& model, int layer, int clip);
-
-  int edge_count() const { return graph_.edge_count(); }
-  void SetTransition(int edge, v1::Transition& message) const;
-
- private:
-  int NodeOf(int state) const { return clip_ == nullptr ? state : clip_->nodes[state]; }
-
-  const std::shared_ptr<const core::ClipGraph> clip_;  // null: global graph
-  const core::TransitionGraph& graph_;
-};
+void SetTransition(const Transition& transition, v1::Transition& message);
 
 }  // namespace motiondb::server

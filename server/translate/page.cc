@@ -47,8 +47,8 @@ bool PageBudget::Take(std::size_t bytes) {
 }
 
 std::string EncodeModelPosition(std::string_view scope, const ModelPosition& position) {
-  return EncodePageToken(
-      scope, fmt::format("{}:{}:{}", position.version, position.create_time_us, position.index));
+  return EncodePageToken(scope, fmt::format("{}:{}:{}", position.model.version,
+                                            position.model.create_time_us, position.index));
 }
 
 absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope,
@@ -65,27 +65,12 @@ absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope,
     if (is_last) return after;
     return *after == ':' ? after + 1 : nullptr;
   };
-  const char* const time = read(text.data(), position.version, false);
-  const char* const index = read(time, position.create_time_us, false);
+  const char* const time = read(text.data(), position.model.version, false);
+  const char* const index = read(time, position.model.create_time_us, false);
   if (read(index, position.index, true) == nullptr || position.index < 0) {
     return FieldViolation("page_token", "expected the next_page_token of the previous page");
   }
   return position;
-}
-
-ModelId ModelOfPage(const ModelPosition& position, const ModelId& id) {
-  return {id.database, position.create_time_us == 0 ? id.version : 0};
-}
-
-absl::Status CheckStillCurrent(const ModelPosition& position, const storage::ModelRecord& current) {
-  if (position.create_time_us == 0 ||
-      (position.version == current.version && position.create_time_us == current.create_time_us)) {
-    return absl::OkStatus();
-  }
-  return core::WithReason(
-      "MODEL_REPLACED",
-      absl::AbortedError(
-          "the model was replaced while it was being listed; list again from the first page"));
 }
 
 }  // namespace motiondb::server

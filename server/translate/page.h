@@ -1,5 +1,5 @@
 // Pages of a list: sizes and page tokens. A token is opaque to the client and contains the scope of
-// its list, so that a token of another list is refused. A token of a replaced model gives ABORTED.
+// its list, so that a token of another list is refused.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,7 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
-#include "server/translate/resource_name.h"
-#include "storage/records.h"
+#include "server/engine/query/model_query.h"
 
 namespace motiondb::server {
 
@@ -82,11 +81,9 @@ std::string FillPageFrom(const Records& records, int size, std::string_view scop
   return added == count ? std::string() : EncodePageToken(scope, position(records[added - 1]));
 }
 
-// A position in a list of parts of one model. Version and time identify the model, because a model
-// that is not stored yet has the version of an earlier model.
+// A position in a list of parts of one model.
 struct ModelPosition {
-  int version = 0;
-  std::int64_t create_time_us = 0;  // 0: beginning of the list
+  ModelStamp model;  // none: beginning of the list
   int index = 0;
 };
 
@@ -94,12 +91,5 @@ std::string EncodeModelPosition(std::string_view scope, const ModelPosition& pos
 
 // Returns INVALID_ARGUMENT if the token belongs to another list.
 absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope, const std::string& token);
-
-// Returns the model to read: `id` for the first page; the current model for later pages, so that
-// CheckStillCurrent detects a replaced model.
-ModelId ModelOfPage(const ModelPosition& position, const ModelId& id);
-
-// Returns ABORTED if the position belongs to another model than `current`.
-absl::Status CheckStillCurrent(const ModelPosition& position, const storage::ModelRecord& current);
 
 }  // namespace motiondb::server

@@ -122,6 +122,11 @@ absl::StatusOr<std::string> IdIn(const std::string& database, std::string_view f
   return FieldViolation(field, "expected a {} of databases/{}, got '{}'", what, database, name);
 }
 
+absl::StatusOr<std::string> ParseClipIn(const std::string& database, const std::string& name) {
+  if (name.empty()) return std::string();
+  return IdIn(database, "clip", "clip", name, ParseClipName("clip", name));
+}
+
 std::string DatabaseName(std::string_view database) {
   return fmt::format("databases/{}", database);
 }

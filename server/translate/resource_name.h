@@ -48,6 +48,9 @@ absl::StatusOr<std::string> IdIn(const std::string& database, std::string_view f
                                  std::string_view what, const std::string& name,
                                  const absl::StatusOr<MemberId>& parsed);
 
+// Returns the id of the clip in the field `clip` of a request; empty if there is none.
+absl::StatusOr<std::string> ParseClipIn(const std::string& database, const std::string& name);
+
 std::string DatabaseName(std::string_view database);
 std::string ClipName(std::string_view database, std::string_view clip);
 std::string SegmentName(std::string_view database, std::string_view clip, std::string_view segment);

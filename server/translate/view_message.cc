@@ -1,10 +1,8 @@
 #include "server/translate/view_message.h"
 
 #include "core/model/model.h"
-#include "core/view/node_summary.h"
-#include "core/view/state_axes.h"
-#include "motiondb/v1/model.pb.h"
 #include "motiondb/v1/view.pb.h"
+#include "server/engine/snapshot.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
 #include "text/utf8.h"
@@ -95,27 +93,31 @@ void SetClipFrames(const ClipMotion& motion, int first_frame, int count, int str
   }
 }
 
-void SetMapHeader(const Snapshot& snapshot, const core::StateAxes& axes, int layer,
-                  v1::StateMapHeader& message) {
-  const core::Model& model = snapshot.model;
-  message.set_model_version(snapshot.record.version);
-  message.set_layer(layer);
+void SetMapHeader(const StateMap& map, v1::StateMapHeader& message) {
+  const core::Model& model = map.model();
+  const storage::ModelRecord& record = map.snapshot().record;
+  message.set_model_version(record.version);
+  message.set_layer(map.layer());
   for (int l = 1; l <= model.layer_count(); ++l) {
     message.add_nodes_per_layer(model.tree().node_count(l));
   }
-  for (const double fraction : axes.variance_fractions) message.add_variance_fractions(fraction);
+  for (const double fraction : map.axes().variance_fractions) {
+    message.add_variance_fractions(fraction);
+  }
   for (const core::ModelClip& clip : model.clips()) {
-    message.add_clips(ClipName(snapshot.record.database, clip.id));
+    message.add_clips(ClipName(record.database, clip.id));
     message.add_labels(clip.label());
   }
+  message.set_node_count(map.node_count());
+  message.set_transition_count(map.transitions().edge_count());
+  message.set_point_count(map.point_count());
 }
 
-void AddNodes(const core::Model& model, core::NodeSummaries& summaries, int layer,
-              std::span<const int> nodes, v1::StateMapNodes& message) {
+void AddNodes(StateMap& map, std::span<const int> nodes, v1::StateMapNodes& message) {
   for (const int node : nodes) {
-    const core::NodeSummary summary = summaries.Summarize(layer, node);
+    const core::NodeSummary summary = map.Summarize(node);
     message.add_node_ids(node);
-    if (layer > 1) message.add_parent_ids(model.tree().parent(layer, node));
+    if (map.layer() > 1) message.add_parent_ids(map.model().tree().parent(map.layer(), node));
     message.add_frame_counts(summary.frame_count);
     message.add_main_clips(summary.main_clip);
     message.add_label_fractions(summary.label_fraction);
@@ -124,32 +126,34 @@ void AddNodes(const core::Model& model, core::NodeSummaries& summaries, int laye
   }
 }
 
-void AddTransitions(const TransitionList& transitions, int first, int end,
-                    v1::StateMapTransitions& message) {
-  v1::Transition transition;
+void AddTransitions(const StateMap& map, int first, int end, v1::StateMapTransitions& message) {
   for (int i = first; i < end; ++i) {
-    transitions.SetTransition(i, transition);
-    message.add_from_node_ids(transition.from_node_id());
-    message.add_to_node_ids(transition.to_node_id());
-    message.add_probabilities(static_cast<float>(transition.probability()));
+    const Transition transition = map.transitions().At(i);
+    message.add_from_node_ids(transition.from);
+    message.add_to_node_ids(transition.to);
+    message.add_probabilities(static_cast<float>(transition.probability));
   }
 }
 
-void AddPoints(const core::Model& model, const core::StateAxes& axes, int layer,
-               std::span<const int> frames, v1::StateMapPoints& message) {
+void AddPoints(const StateMap& map, std::span<const int> frames, v1::StateMapPoints& message) {
+  const core::Model& model = map.model();
   for (const int frame : frames) {
     const int clip = model.clip_of_frame(frame);
     message.add_clips(clip);
     message.add_frames(frame - model.clips()[clip].first_frame);
-    message.add_node_ids(model.tree().node_of_frame(layer, frame));
-    AppendRow(axes.projections, frame, *message.mutable_positions());
+    message.add_node_ids(model.tree().node_of_frame(map.layer(), frame));
+    AppendRow(map.axes().projections, frame, *message.mutable_positions());
   }
 }
 
-void SetNodePose(int node, const core::MeanPose& pose, v1::NodePose& message) {
-  message.set_node_id(node);
-  AppendMatrix(pose.positions_m, *message.mutable_marker_positions());
-  AppendMatrix(pose.velocities_m_s, *message.mutable_marker_velocities());
+void SetNodePoses(const NodePoses& poses, v1::GetNodePosesResponse& message) {
+  message.set_layer(poses.layer);
+  for (const NodePose& from : poses.poses) {
+    v1::NodePose& to = *message.add_poses();
+    to.set_node_id(from.node);
+    AppendMatrix(from.pose.positions_m, *to.mutable_marker_positions());
+    AppendMatrix(from.pose.velocities_m_s, *to.mutable_marker_velocities());
+  }
 }
 
 }  // namespace motiondb::server

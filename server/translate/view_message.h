@@ -6,20 +6,13 @@
 #include <span>
 
 #include "server/engine/query/clip_motion.h"
-#include "server/engine/snapshot.h"
-#include "server/translate/model_message.h"
-
-namespace motiondb::core {
-struct MeanPose;
-class NodeSummaries;
-struct StateAxes;
-}  // namespace motiondb::core
+#include "server/engine/query/state_map.h"
 
 namespace motiondb::v1 {
 class Bone;
 class Figure;
+class GetNodePosesResponse;
 class LinkVisual;
-class NodePose;
 class ReadClipMotionResponse;
 class StateMapHeader;
 class StateMapNodes;
@@ -43,22 +36,15 @@ void SetFigure(const Figure& figure, v1::Figure& message);
 void SetClipFrames(const ClipMotion& motion, int first_frame, int count, int stride,
                    v1::ReadClipMotionResponse& message);
 
-// Sets all but the numbers of nodes, transitions and points.
-void SetMapHeader(const Snapshot& snapshot, const core::StateAxes& axes, int layer,
-                  v1::StateMapHeader& message);
+void SetMapHeader(const StateMap& map, v1::StateMapHeader& message);
 
-// Appends nodes of a layer. REQUIRES: they exist.
-void AddNodes(const core::Model& model, core::NodeSummaries& summaries, int layer,
-              std::span<const int> nodes, v1::StateMapNodes& message);
+// Append parts of the map. REQUIRES: they are its own.
+void AddNodes(StateMap& map, std::span<const int> nodes, v1::StateMapNodes& message);
+// The transitions first to end - 1.
+void AddTransitions(const StateMap& map, int first, int end, v1::StateMapTransitions& message);
+// Frames of the model.
+void AddPoints(const StateMap& map, std::span<const int> frames, v1::StateMapPoints& message);
 
-// Appends the transitions first to end - 1 of a list.
-void AddTransitions(const TransitionList& transitions, int first, int end,
-                    v1::StateMapTransitions& message);
-
-// Appends frames of the model as points.
-void AddPoints(const core::Model& model, const core::StateAxes& axes, int layer,
-               std::span<const int> frames, v1::StateMapPoints& message);
-
-void SetNodePose(int node, const core::MeanPose& pose, v1::NodePose& message);
+void SetNodePoses(const NodePoses& poses, v1::GetNodePosesResponse& message);
 
 }  // namespace motiondb::server

@@ -1,5 +1,6 @@
 #include "server/engine/query/clip_motion.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -28,6 +29,25 @@ absl::StatusOr<SchemePointer> SchemeOf(const LiveDatabase& database) {
   if (scheme != nullptr) return scheme;
   return core::FailedPrecondition(
       "database '{}' has no marker set yet: its first clip will name the markers", database.name());
+}
+
+// Returns the requested frames of a clip.
+absl::StatusOr<FrameRange> RangeIn(const FrameRange& requested, int clip_frames) {
+  if (requested.first < 0 || requested.first >= clip_frames) {
+    return core::FieldViolation("first_frame",
+                                "expected 0 to {}, the last frame of the clip, got {}",
+                                clip_frames - 1, requested.first);
+  }
+  if (requested.count < 0) {
+    return core::FieldViolation("frame_count", "expected at least 0, got {}", requested.count);
+  }
+  if (requested.stride < 0) {
+    return core::FieldViolation("stride", "expected at least 0, got {}", requested.stride);
+  }
+  const int stride = std::max(1, requested.stride);
+  const int all = (clip_frames - 1 - requested.first) / stride + 1;
+  return FrameRange{requested.first, requested.count == 0 ? all : std::min(all, requested.count),
+                    stride};
 }
 
 // Returns the states of a clip within the limits of the work.
@@ -187,16 +207,23 @@ absl::StatusOr<Figure> DatabaseFigure(Engine& engine, const std::string& databas
   return figure;
 }
 
-absl::StatusOr<Figure> ClipFigure(Engine& engine, const storage::ClipRecord& clip,
-                                  const WorkOptions& terms) {
-  MOTIONDB_ASSIGN_OR_RETURN(const ClipReader reader, ClipReader::Open(engine, clip, terms));
+absl::StatusOr<Figure> ClipFigure(Engine& engine, const std::string& database,
+                                  const std::string& clip, const WorkOptions& terms) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, engine.store().GetClip(database, clip));
+  MOTIONDB_ASSIGN_OR_RETURN(const ClipReader reader, ClipReader::Open(engine, record, terms));
   return reader.ReadFigure();
 }
 
-absl::StatusOr<ClipMotion> ReadClipMotion(Engine& engine, const storage::ClipRecord& clip,
+absl::StatusOr<ClipMotion> ReadClipMotion(Engine& engine, const std::string& database,
+                                          const std::string& clip, const FrameRange& requested,
                                           bool joints, const WorkOptions& terms) {
-  MOTIONDB_ASSIGN_OR_RETURN(const ClipReader reader, ClipReader::Open(engine, clip, terms));
-  return reader.ReadMotion(joints);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, engine.store().GetClip(database, clip));
+  MOTIONDB_RETURN_IF_ERROR(RangeIn(requested, record.frame_count).status());
+  MOTIONDB_ASSIGN_OR_RETURN(const ClipReader reader, ClipReader::Open(engine, record, terms));
+  MOTIONDB_ASSIGN_OR_RETURN(ClipMotion motion, reader.ReadMotion(joints));
+  // The clip may have been replaced since.
+  MOTIONDB_ASSIGN_OR_RETURN(motion.requested, RangeIn(requested, motion.frame_count()));
+  return motion;
 }
 
 }  // namespace motiondb::server

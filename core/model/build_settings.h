@@ -1,6 +1,7 @@
 // Settings of a database, fixed when it is created: how clips are stored and models are built.
 #pragma once
 
+#include "absl/status/status.h"
 #include "core/motion/glitches.h"
 #include "core/tree/feature_scale.h"
 
@@ -16,5 +17,8 @@ struct BuildSettings {
   Scaling scaling = Scaling::kKind;
   GlitchPolicy glitches = GlitchPolicy::kRepair;  // applied at ingest; models ignore it
 };
+
+// Returns INVALID_ARGUMENT, naming the field, for numbers out of range.
+absl::Status CheckSettings(const BuildSettings& settings);
 
 }  // namespace motiondb::core

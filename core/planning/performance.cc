@@ -183,7 +183,7 @@ absl::Status RetargetToBody(const MarkerScheme& scheme, const Body& body,
                             const PlanProblem& problem, const SynthesisedMotion& motion,
                             const Cancelled& cancelled, PlannedMotion& planned) {
   const double model_rate_hz = motion.markers.frame_rate_hz;
-  const double rate_hz = problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model_rate_hz;
+  const double rate_hz = problem.frame_rate_hz.value_or(model_rate_hz);
   planned.quality.recorded_seconds =
       static_cast<double>(motion.markers.positions_m.rows() - 1) / model_rate_hz;
   std::vector<double> frames;

@@ -50,7 +50,7 @@ struct PlanProblem {
   double position_tolerance_m = 0.1;
   double heading_tolerance_rad = 0.1;
   double max_duration_seconds = 30;  // slowed for joint limits, the motion is cut there
-  int coarse_layer = 0;              // 0: the default, about four fifths down the tree
+  std::optional<int> coarse_layer;   // none: the default, about four fifths down the tree
   Playable playable;                 // the stored motion to use
   Obstacles obstacles;
   PlanMethod method = PlanMethod::kSegmentSearch;
@@ -69,7 +69,7 @@ struct PlanProblem {
   // rad/s^2, or m/s^2 of a translation: of every coordinate of joint_path.h but the root's.
   // Default: none. Requires a skeleton.
   std::optional<double> max_joint_acceleration;
-  double frame_rate_hz = 0;  // of the answer; 0: the model's
+  std::optional<double> frame_rate_hz;  // of the answer; none: the model's
   // Leg length (m) of a plan on markers only; default: that of the start's subject. A skeleton has
   // its own.
   std::optional<double> leg_length_m;

@@ -334,8 +334,8 @@ absl::StatusOr<PlanAnswer> PlanMotion(const Model& model, const MarkerScheme& sc
                                       const PlanProblem& problem, const PlanControl& control) {
   MOTIONDB_RETURN_IF_ERROR(CheckProblem(model, problem));
   int layer = std::max(1, static_cast<int>(std::lround(kCoarseShare * model.layer_count())));
-  if (problem.coarse_layer != 0) {
-    MOTIONDB_ASSIGN_OR_RETURN(layer, model.ResolveLayer(problem.coarse_layer));
+  if (problem.coarse_layer) {
+    MOTIONDB_ASSIGN_OR_RETURN(layer, model.ResolveLayer(*problem.coarse_layer));
   }
   MOTIONDB_ASSIGN_OR_RETURN(std::vector<PlanOrigin> origins,
                             FindOrigins(model, problem.start, problem.playable));

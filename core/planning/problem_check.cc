@@ -81,11 +81,11 @@ absl::Status CheckCorners(const std::string& field, const Polygon& polygon) {
 }
 
 absl::Status CheckFrames(const PlanProblem& problem, double model_rate_hz) {
-  if (problem.frame_rate_hz != 0) {
+  if (problem.frame_rate_hz) {
     MOTIONDB_RETURN_IF_ERROR(
-        CheckBetween("frame_rate_hz", problem.frame_rate_hz, kMinFrameRate_hz, kMaxFrameRate_hz));
+        CheckBetween("frame_rate_hz", *problem.frame_rate_hz, kMinFrameRate_hz, kMaxFrameRate_hz));
   }
-  const double rate = problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model_rate_hz;
+  const double rate = problem.frame_rate_hz.value_or(model_rate_hz);
   const int motions = 1 + problem.alternative_count;
   if (rate * problem.max_duration_seconds * motions <= kMaxFrames) return absl::OkStatus();
   return FieldViolation(
@@ -130,9 +130,9 @@ absl::Status CheckProblem(const Model& model, const PlanProblem& problem) {
   MOTIONDB_RETURN_IF_ERROR(
       CheckPositive("max_duration_seconds", problem.max_duration_seconds, kMaxMotionSeconds));
   MOTIONDB_RETURN_IF_ERROR(CheckNotNegative("effort", problem.effort));
-  if (problem.coarse_layer != 0) {
+  if (problem.coarse_layer) {
     MOTIONDB_RETURN_IF_ERROR(
-        CheckBetween("coarse_layer", problem.coarse_layer, 1, model.layer_count()));
+        CheckBetween("coarse_layer", *problem.coarse_layer, 1, model.layer_count()));
   }
   MOTIONDB_RETURN_IF_ERROR(
       CheckBetween("alternative_count", problem.alternative_count, 0, kMaxAlternatives));

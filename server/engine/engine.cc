@@ -78,6 +78,9 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
                                                                const core::BuildSettings& settings,
                                                                const MarkerSetSetting& marker_set,
                                                                const storage::WriteOptions& terms) {
+  if (const absl::Status valid = core::CheckSettings(settings); !valid.ok()) {
+    return core::Within("database", valid);
+  }
   const storage::DatabaseRecord record{.name = database,
                                        .settings = settings,
                                        .marker_set = marker_set.name,
@@ -287,9 +290,12 @@ bool ConcernsModel(const storage::EditRecord& edit) {
 
 absl::StatusOr<Edited> Engine::Edit(const std::string& database,
                                     std::span<const storage::Change> changes,
-                                    const std::string& author, const storage::WriteOptions& terms) {
+                                    const std::string& author, const storage::WriteOptions& terms,
+                                    EditFields fields) {
+  std::vector<storage::Change> checked(changes.begin(), changes.end());
+  MOTIONDB_RETURN_IF_ERROR(CheckChanges(checked, fields));
   const auto edit = [&](const storage::WriteOptions& with_database) {
-    return store_->annotations().Edit(database, changes, author, with_database);
+    return store_->annotations().Edit(database, checked, author, with_database);
   };
   return StoreEdit(database, edit, terms);
 }

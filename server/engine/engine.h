@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "server/engine/annotation_rules.h"
 #include "server/engine/corruption_log.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
@@ -76,7 +77,7 @@ class Engine {
   std::string name() const { return name_.substr(name_.rfind('/') + 1); }
 
   // The audit log entry in `terms` is stored in the same transaction as the change; null: no entry.
-  // ALREADY_EXISTS, RESOURCE_EXHAUSTED.
+  // ALREADY_EXISTS, RESOURCE_EXHAUSTED; INVALID_ARGUMENT of core::CheckSettings, below `database`.
   absl::StatusOr<storage::DatabaseRecord> CreateDatabase(const std::string& database,
                                                          const core::BuildSettings& settings,
                                                          const MarkerSetSetting& marker_set,
@@ -125,9 +126,10 @@ class Engine {
                                                       const storage::WriteOptions& terms = {});
   // Edits clips and segments; see AnnotationStore::Edit and UndoEdit. Changed labels are in answers
   // soon, with the metric and calibration of the former labels; the operation refits these.
-  // UNAVAILABLE as above.
+  // UNAVAILABLE as above; INVALID_ARGUMENT of CheckChanges.
   absl::StatusOr<Edited> Edit(const std::string& database, std::span<const storage::Change> changes,
-                              const std::string& author, const storage::WriteOptions& terms = {});
+                              const std::string& author, const storage::WriteOptions& terms = {},
+                              EditFields fields = EditFields::kOneChange);
   absl::StatusOr<Edited> UndoEdit(const std::string& database, std::int64_t edit,
                                   const std::string& author,
                                   const storage::WriteOptions& terms = {});

@@ -5,6 +5,7 @@
 
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
+#include "server/engine/request_checks.h"
 
 namespace motiondb::server {
 namespace {
@@ -36,15 +37,23 @@ absl::StatusOr<MarkerSetSetting> ResolveOwn(const std::string& name, const std::
 
 absl::StatusOr<MarkerSetSetting> ResolveMarkerSet(const std::string& name,
                                                   const std::string& text) {
-  if (!text.empty()) return ResolveOwn(name, text);
+  if (!text.empty()) {
+    constexpr char kField[] = "database.marker_set_file";
+    MOTIONDB_RETURN_IF_ERROR(CheckPlainLines(kField, text));
+    auto own = ResolveOwn(name, text);
+    if (!own.ok()) return core::AtField(kField, own.status());
+    return own;
+  }
   if (name == kSourceMarkerSet) return MarkerSetSetting{name, ""};
   if (name.empty() || name == kStandardMarkerSet) {
     // Stored with the database: its clips must stay comparable if the built-in set changes.
     return MarkerSetSetting{kStandardMarkerSet, core::WriteMarkerSetFile(core::StandardScheme())};
   }
-  return core::InvalidArgument(
-      "unknown marker_set '{}'; expected {}, {}, or your own set with marker_set_file", name,
-      kStandardMarkerSet, kSourceMarkerSet);
+  return core::AtField(
+      "database.marker_set",
+      core::InvalidArgument(
+          "unknown marker_set '{}'; expected {}, {}, or your own set with marker_set_file", name,
+          kStandardMarkerSet, kSourceMarkerSet));
 }
 
 absl::StatusOr<core::MarkerScheme> WithMappings(core::MarkerScheme scheme,

@@ -28,7 +28,8 @@ struct MarkerSetSetting {
 };
 
 // Resolves the name of a set (empty: standard34) and, for a user-defined set, the text of its file.
-// INVALID_ARGUMENT if the name is unknown, name and text do not agree or the text does not parse.
+// INVALID_ARGUMENT, naming the field of CreateDatabaseRequest, if the name is unknown, name and
+// text do not agree or the text does not parse or has a token or a display control.
 absl::StatusOr<MarkerSetSetting> ResolveMarkerSet(const std::string& name, const std::string& text);
 
 // Returns the scheme with `mappings` before its own; a mapping with the name of another one

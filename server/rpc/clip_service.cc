@@ -196,7 +196,7 @@ absl::StatusOr<storage::ClipSource> ExportedFiles(const Call& call,
     header.set_skeleton_file_name(record.skeleton_file_name);
     return call.engine.store().ReadClipSource(record.database, record.id);
   }
-  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat parsed, ParseWrittenFormat("format", format));
+  MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat parsed, ParseFormat("format", format));
   // A long clip may use as much memory as a long request.
   MOTIONDB_RETURN_IF_ERROR(call.entry.ReserveFile(static_cast<std::size_t>(record.byte_count)));
   MOTIONDB_ASSIGN_OR_RETURN(ExportedMotion exported,

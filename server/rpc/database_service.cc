@@ -24,7 +24,9 @@ absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& r
                             v1::CreateDatabaseResponse& response) {
   MOTIONDB_RETURN_IF_ERROR(CheckDatabaseId("database_id", request.database_id()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto settings, ParseBuildSettings(request.database()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto marker_set, ParseMarkerSet(request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto marker_set,
+      ResolveMarkerSet(request.database().marker_set(), request.database().marker_set_file()));
   const auto audit = call.entry.AuditRecordForChange(DatabaseName(request.database_id()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
                             call.engine.CreateDatabase(request.database_id(), settings, marker_set,

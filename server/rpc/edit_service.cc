@@ -18,8 +18,9 @@ absl::Status BatchEdit(const Call& call, const v1::BatchEditRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto changes, ParseChanges(id, request));
   const auto audit = call.entry.AuditRecordForChange(request.parent());
-  MOTIONDB_ASSIGN_OR_RETURN(const Edited edited, call.engine.Edit(id, changes, audit.principal,
-                                                                  {&audit, call.cancelled}));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const Edited edited,
+      call.engine.Edit(id, changes, audit.principal, {&audit, call.cancelled}, EditFields::kBatch));
   SetEdit(edited.edit, *response.mutable_edit());
   SetEdited(call, edited, response);
   return absl::OkStatus();

@@ -2,6 +2,7 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/marker_set.grpc.pb.h"
 #include "server/engine/marker_schemes.h"
+#include "server/engine/request_checks.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/translate/message_fields.h"

@@ -32,7 +32,8 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
                             query.Recognize(observation, options, request.top_count()));
   response.set_calibration(CalibrationOf(*query.snapshot()));
   SetModelOf(query, response);
-  return SetRecognition(windows, database, query.model(), request.top_count(), response);
+  SetRecognition(windows, database, query.model(), request.top_count(), response);
+  return absl::OkStatus();
 }
 
 absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
@@ -88,7 +89,7 @@ absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
 absl::Status Find(const Call& call, const v1::FindRequest& request, v1::FindResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
   const std::string& database = query.database()->name();
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseFindOptions(request));
+  const core::FindOptions options = ParseFindOptions(request);
   MOTIONDB_ASSIGN_OR_RETURN(const SoughtMotion motion, ParseSoughtMotion(request, database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto matches, query.Find(motion, options));
   SetMatches(matches, database, query.model(), response);

@@ -2,6 +2,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/access.pb.h"
+#include "server/engine/request_checks.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
 #include "text/display_text.h"

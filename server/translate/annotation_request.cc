@@ -1,8 +1,6 @@
 #include "server/translate/annotation_request.h"
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -15,28 +13,6 @@
 
 namespace motiondb::server {
 namespace {
-
-constexpr std::size_t kMaxLabelBytes = 255;
-constexpr std::size_t kMaxWordBytes = 63;
-constexpr int kMaxChanges = 1000;
-
-// The name of a track or the id of a segment.
-absl::Status CheckSegmentWord(std::string_view field, std::string_view word) {
-  const bool valid =
-      !word.empty() && word.size() <= kMaxWordBytes && std::ranges::all_of(word, [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-      });
-  if (valid) return CheckNoToken(field, word);
-  return FieldViolation(field, "expected 1 to 63 of a-z, 0-9, '-', '_', got '{}'",
-                        text::SafeText(word));
-}
-
-absl::Status CheckLabel(std::string_view field, const std::string& label) {
-  if (label.empty()) {
-    return FieldViolation(field, "expected a label; delete the segment to remove its label");
-  }
-  return CheckPlainText(field, label, kMaxLabelBytes);
-}
 
 // An etag is the revision of the object. Returns 0 for the empty etag, which fits any.
 absl::StatusOr<std::int64_t> ParseEtag(std::string_view field, const std::string& etag) {
@@ -55,22 +31,22 @@ absl::Status AddToChange(const v1::Clip& clip, const std::string& path,
                          storage::ClipChange& change) {
   if (path == "label") {
     change.label = clip.label();
-    return CheckLabel("clip.label", clip.label());
+    return absl::OkStatus();
   }
   if (path == "subject") {
     change.subject = clip.subject();
-    return CheckPlainText("clip.subject", clip.subject(), kMaxLabelBytes);
+    return absl::OkStatus();
   }
   if (path == "title") {
     change.title = clip.title();
-    return CheckTitle("clip.title", clip.title());
+    return absl::OkStatus();
   }
   if (path == "description") {
     change.description = clip.description();
-    return CheckDescription("clip.description", clip.description());
+    return absl::OkStatus();
   }
   if (path == "tags") {
-    MOTIONDB_ASSIGN_OR_RETURN(change.tags, ParseTags("clip.tags", clip.tags()));
+    change.tags.emplace(clip.tags().begin(), clip.tags().end());
     return absl::OkStatus();
   }
   if (path == "fields") {
@@ -79,30 +55,18 @@ absl::Status AddToChange(const v1::Clip& clip, const std::string& path,
   }
   if (path.starts_with(kFieldPrefix)) {
     const std::string name = path.substr(kFieldPrefix.size());
-    MOTIONDB_RETURN_IF_ERROR(CheckFieldName("update_mask", name));
     std::optional<storage::FieldValue>& value = change.field[name];
     const auto given = clip.fields().find(name);
     if (given == clip.fields().end()) return absl::OkStatus();
-    MOTIONDB_ASSIGN_OR_RETURN(value,
-                              ParseFieldValue(fmt::format("clip.fields[{}]", name), given->second));
+    MOTIONDB_ASSIGN_OR_RETURN(
+        value,
+        ParseFieldValue(fmt::format("clip.fields[{}]", text::SafeText(name)), given->second));
     return absl::OkStatus();
   }
   return FieldViolation("update_mask",
                         "expected label, subject, title, description, tags, fields or "
                         "fields.NAME, got '{}'",
                         text::SafeText(path));
-}
-
-absl::Status CheckSeconds(std::string_view field, double seconds) {
-  if (std::isfinite(seconds) && seconds >= 0) return absl::OkStatus();
-  return FieldViolation(field, "expected seconds from 0, got {}", seconds);
-}
-
-absl::StatusOr<double> ParseConfidence(const v1::Segment& segment) {
-  if (!segment.has_confidence()) return 1.0;
-  const double confidence = segment.confidence();
-  if (confidence >= 0 && confidence <= 1) return confidence;
-  return FieldViolation("segment.confidence", "expected 0 to 1, got {}", confidence);
 }
 
 absl::StatusOr<storage::SegmentSource> ParseSource(v1::SegmentSource source) {
@@ -121,39 +85,34 @@ absl::StatusOr<storage::SegmentSource> ParseSource(v1::SegmentSource source) {
   }
 }
 
-std::optional<double> EndOf(const v1::Segment& segment) {
-  return segment.has_end_seconds() ? std::optional(segment.end_seconds()) : std::nullopt;
+double ConfidenceOf(const v1::Segment& segment) {
+  return segment.has_confidence() ? segment.confidence() : 1.0;
 }
 
-absl::Status CheckRange(double start_seconds, std::optional<double> end_seconds) {
-  MOTIONDB_RETURN_IF_ERROR(CheckSeconds("segment.start_seconds", start_seconds));
-  if (!end_seconds) return absl::OkStatus();
-  MOTIONDB_RETURN_IF_ERROR(CheckSeconds("segment.end_seconds", *end_seconds));
-  if (*end_seconds > start_seconds) return absl::OkStatus();
-  return FieldViolation("segment.end_seconds", "expected more than the start, {} s, got {} s",
-                        start_seconds, *end_seconds);
+std::optional<double> EndOf(const v1::Segment& segment) {
+  return segment.has_end_seconds() ? std::optional(segment.end_seconds()) : std::nullopt;
 }
 
 absl::Status AddToChange(const v1::Segment& segment, const std::string& path,
                          storage::SegmentChange& change) {
   if (path == "label") {
     change.label = segment.label();
-    return CheckLabel("segment.label", segment.label());
+    return absl::OkStatus();
   }
   if (path == "start_seconds") {
     change.start_seconds = segment.start_seconds();
-    return CheckSeconds("segment.start_seconds", segment.start_seconds());
+    return absl::OkStatus();
   }
   if (path == "end_seconds") {
     change.end_seconds = EndOf(segment);
-    return CheckSeconds("segment.end_seconds", segment.end_seconds());
+    return absl::OkStatus();
   }
   if (path == "source") {
     MOTIONDB_ASSIGN_OR_RETURN(change.source, ParseSource(segment.source()));
     return absl::OkStatus();
   }
   if (path == "confidence") {
-    MOTIONDB_ASSIGN_OR_RETURN(change.confidence, ParseConfidence(segment));
+    change.confidence = ConfidenceOf(segment);
     return absl::OkStatus();
   }
   return FieldViolation(
@@ -188,16 +147,12 @@ absl::StatusOr<RequestedChange> ParseChange(const v1::CreateSegmentRequest& requ
   const v1::Segment& from = request.segment();
   storage::SegmentRecord segment{
       .database = id.database, .clip = id.id, .id = request.segment_id()};
-  if (!segment.id.empty()) MOTIONDB_RETURN_IF_ERROR(CheckSegmentWord("segment_id", segment.id));
   if (!from.track().empty()) segment.track = from.track();
-  MOTIONDB_RETURN_IF_ERROR(CheckSegmentWord("segment.track", segment.track));
   segment.label = from.label();
-  MOTIONDB_RETURN_IF_ERROR(CheckLabel("segment.label", segment.label));
   segment.start_seconds = from.start_seconds();
   segment.end_seconds = EndOf(from);
-  MOTIONDB_RETURN_IF_ERROR(CheckRange(segment.start_seconds, segment.end_seconds));
   MOTIONDB_ASSIGN_OR_RETURN(segment.source, ParseSource(from.source()));
-  MOTIONDB_ASSIGN_OR_RETURN(segment.confidence, ParseConfidence(from));
+  segment.confidence = ConfidenceOf(from);
   return RequestedChange{id.database, storage::SegmentCreation{std::move(segment)}};
 }
 
@@ -242,10 +197,6 @@ std::pair<absl::StatusOr<RequestedChange>, std::string_view> ParseOne(const v1::
 
 absl::StatusOr<std::vector<storage::Change>> ParseChanges(const std::string& database,
                                                           const v1::BatchEditRequest& request) {
-  if (request.changes_size() > kMaxChanges) {
-    return FieldViolation("changes", "expected at most {} changes, got {}", kMaxChanges,
-                          request.changes_size());
-  }
   std::vector<storage::Change> changes;
   changes.reserve(static_cast<std::size_t>(request.changes_size()));
   for (int i = 0; i < request.changes_size(); ++i) {

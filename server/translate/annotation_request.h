@@ -23,7 +23,8 @@ struct RequestedChange {
   storage::Change change;
 };
 
-// INVALID_ARGUMENT with the field for a name, value, etag or mask that is not valid.
+// INVALID_ARGUMENT with the field for a name, etag, mask or kind of value that is not valid. The
+// engine checks the values (server/engine/annotation_rules.h).
 absl::StatusOr<RequestedChange> ParseChange(const v1::UpdateClipRequest& request);
 absl::StatusOr<RequestedChange> ParseChange(const v1::CreateSegmentRequest& request);
 absl::StatusOr<RequestedChange> ParseChange(const v1::UpdateSegmentRequest& request);

@@ -16,18 +16,10 @@ v1::FileFormat ToProto(core::FileFormat format);
 // Returns the format of a request. INVALID_ARGUMENT, with the field, lists the known ones.
 absl::StatusOr<core::FileFormat> ParseFormat(std::string_view field, v1::FileFormat format);
 
-// As ParseFormat; INVALID_ARGUMENT also for a format that is read only.
-absl::StatusOr<core::FileFormat> ParseWrittenFormat(std::string_view field, v1::FileFormat format);
-
 // Returns `format`; if unspecified, the format of the extension of `file_name`. `prefix` is the
 // path of the message for errors: "header" for header.format and header.file_name.
 absl::StatusOr<core::FileFormat> ParseFileFormat(std::string_view prefix, v1::FileFormat format,
                                                  const std::string& file_name);
-
-// Returns INVALID_ARGUMENT for AMC without an ASF file, and for another format with a skeleton
-// file.
-absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
-                               const std::string& skeleton_file_name);
 
 struct Conventions {
   core::ReadOptions read;
@@ -35,7 +27,7 @@ struct Conventions {
   bool force = false;  // accept an implausible body
 };
 
-// Converts conventions. Numbers must be finite and positive.
+// Converts conventions. INVALID_ARGUMENT for an unknown axis.
 absl::StatusOr<Conventions> ParseConventions(std::string_view prefix,
                                              const v1::SourceConventions& conventions);
 

@@ -1,9 +1,8 @@
-// Converts the header of IngestClip and UploadClip to a clip to ingest, and checks its files.
+// Converts the header of IngestClip and UploadClip to a clip to ingest.
 #pragma once
 
 #include <cstddef>
 #include <string>
-#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "server/engine/ingest.h"
@@ -20,19 +19,12 @@ struct ParsedIngest {
   IngestRequest request;
 };
 
-// Returns the request without the bytes of the files. INVALID_ARGUMENT with the field, as in
-// "header.tags[3]".
+// Returns the request without the bytes of the files; the rules for it are CheckNewClip.
+// INVALID_ARGUMENT with the field, as in "header.format".
 absl::StatusOr<ParsedIngest> ParseIngestHeader(const v1::IngestClipHeader& header);
 
-// Returns RESOURCE_EXHAUSTED if the files, with `more_bytes`, are larger than `max_file_bytes`.
-absl::Status CheckFileSize(const IngestRequest& request, std::size_t more_bytes,
-                           std::size_t max_file_bytes);
-
-// Returns INVALID_ARGUMENT, with one of the fields, if a file has no bytes.
-absl::Status CheckFiles(const IngestRequest& request, std::string_view file_field,
-                        std::string_view skeleton_field);
-
-// Returns the whole clip. INVALID_ARGUMENT, RESOURCE_EXHAUSTED.
+// Returns the whole clip, by the rules of server/engine/ingest_rules.h. INVALID_ARGUMENT,
+// RESOURCE_EXHAUSTED.
 absl::StatusOr<ParsedIngest> ParseUpload(const v1::UploadClipRequest& request,
                                          std::size_t max_file_bytes);
 

@@ -4,6 +4,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.pb.h"
+#include "server/engine/ingest_rules.h"
 #include "server/translate/ingest_request.h"
 #include "server/translate/message_fields.h"
 
@@ -33,6 +34,7 @@ absl::Status IngestStream::Take(v1::IngestClipRequest message) {
 
 absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   MOTIONDB_ASSIGN_OR_RETURN(ParsedIngest parsed, ParseIngestHeader(header));
+  MOTIONDB_RETURN_IF_ERROR(CheckNewClip(parsed.request));
   database_ = std::move(parsed.database);
   request_ = std::move(parsed.request);
   return absl::OkStatus();

@@ -1,5 +1,4 @@
-// Checks of request fields, and access to fields of messages. An error has the path of the field.
-// Text that is stored is checked, because it is later shown in tables and on terminals.
+// Access to fields of messages.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -8,32 +7,15 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
-#include "absl/status/status.h"
-#include "absl/status/statusor.h"
 #include "core/motion/error.h"
 
 namespace motiondb::server {
 
 using core::AtField;
 using core::FieldViolation;
-
-// Returns INVALID_ARGUMENT unless `value` is finite and positive.
-absl::Status CheckPositive(std::string_view field, double value);
-
-// Returns INVALID_ARGUMENT if the text contains a bearer token, because many users can read stored
-// text.
-absl::Status CheckNoToken(std::string_view field, std::string_view text);
-
-// Returns INVALID_ARGUMENT for more than `max_bytes` bytes, a display control
-// (core/format/text_scanner.h), or a token.
-absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t max_bytes);
-
-// Like CheckPlainText, for a text file of any length, with line ends and tabs.
-absl::Status CheckPlainLines(std::string_view field, std::string_view text);
 
 // Returns the value of the string field at `path`, for example "prediction.database". Returns an
 // empty string if a message on the path is absent, or for an empty path. REQUIRES: the type of the

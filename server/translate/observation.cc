@@ -20,7 +20,6 @@ absl::StatusOr<Observation> FromFile(std::string field, const v1::FileObservatio
   ObservedFile file;
   MOTIONDB_ASSIGN_OR_RETURN(file.format,
                             ParseFileFormat(field, message.format(), message.file_name()));
-  MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile(field, file.format, message.skeleton_file_name()));
   MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
                             ParseConventions(field, message.conventions()));
   file.file = {message.file_name(), message.data()};
@@ -32,12 +31,7 @@ absl::StatusOr<Observation> FromFile(std::string field, const v1::FileObservatio
   return Observation{std::move(field), file, conventions.leg_length_m};
 }
 
-absl::StatusOr<Observation> FromMarkers(std::string field, const v1::MarkerObservation& message) {
-  constexpr double kMaxLeg_m = 3;  // of persons and robots
-  if (message.leg_length_m() > kMaxLeg_m) {
-    return FieldViolation(field + ".leg_length_m", "expected at most {} metres, got {}", kMaxLeg_m,
-                          message.leg_length_m());
-  }
+Observation FromMarkers(std::string field, const v1::MarkerObservation& message) {
   Observation observation{
       std::move(field),
       ObservedMarkers{{message.marker_names().begin(), message.marker_names().end()},

@@ -265,7 +265,7 @@ absl::StatusOr<core::Obstacles> ObstaclesFrom(const v1::Obstacles& message) {
   return obstacles;
 }
 
-absl::Status SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
+void SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
   core::PlanProblem& problem = plan.problem;
   if (request.has_position_tolerance_m()) {
     problem.position_tolerance_m = request.position_tolerance_m();
@@ -279,26 +279,16 @@ absl::Status SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
   if (request.has_search_timeout()) {
     const auto& timeout = request.search_timeout();
     plan.max_search_seconds = static_cast<double>(timeout.seconds()) + 1e-9 * timeout.nanos();
-    MOTIONDB_RETURN_IF_ERROR(CheckPositive("search_timeout", plan.max_search_seconds));
   }
-  if (request.has_coarse_layer()) {
-    if (request.coarse_layer() < 1) {
-      return FieldViolation("coarse_layer", "expected 1 or more, got {}", request.coarse_layer());
-    }
-    problem.coarse_layer = request.coarse_layer();
-  }
+  if (request.has_coarse_layer()) problem.coarse_layer = request.coarse_layer();
   problem.alternative_count = request.alternative_count();
-  if (request.has_frame_rate_hz()) {
-    MOTIONDB_RETURN_IF_ERROR(CheckPositive("frame_rate_hz", request.frame_rate_hz()));
-    problem.frame_rate_hz = request.frame_rate_hz();
-  }
+  if (request.has_frame_rate_hz()) problem.frame_rate_hz = request.frame_rate_hz();
   problem.seed = request.seed();
   problem.respect_joint_limits = !request.ignore_joint_limits();
   if (request.has_speed_limit_scale()) problem.speed_limit_scale = request.speed_limit_scale();
   if (request.has_max_joint_acceleration()) {
     problem.max_joint_acceleration = request.max_joint_acceleration();
   }
-  return absl::OkStatus();
 }
 
 absl::Status SetStart(const v1::PlanRequest& request, const std::string& database,
@@ -334,7 +324,7 @@ absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
                                              const std::string& database) {
   PlanRequest plan;
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.goal, GoalFrom(request));
-  MOTIONDB_RETURN_IF_ERROR(SetNumbers(request, plan));
+  SetNumbers(request, plan);
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.method, PlanMethodFrom(request.method()));
   plan.problem.playable.labels = {request.labels().begin(), request.labels().end()};
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.obstacles, ObstaclesFrom(request.obstacles()));
@@ -342,8 +332,7 @@ absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
   MOTIONDB_RETURN_IF_ERROR(SetBody(request, database, plan));
   plan.with_files = request.include_files();
   if (request.file_format() != v1::FILE_FORMAT_UNSPECIFIED) {
-    MOTIONDB_ASSIGN_OR_RETURN(plan.file_format,
-                              ParseWrittenFormat("file_format", request.file_format()));
+    MOTIONDB_ASSIGN_OR_RETURN(plan.file_format, ParseFormat("file_format", request.file_format()));
   }
   return plan;
 }

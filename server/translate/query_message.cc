@@ -14,8 +14,6 @@ namespace motiondb::server {
 
 namespace {
 
-constexpr std::size_t kMaxScores = 1 << 20;  // in a response, about 100 bytes each
-
 absl::Status CheckCount(std::string_view field, int count) {
   if (count >= 1) return absl::OkStatus();
   return FieldViolation(field, "expected 1 or more, got {}", count);
@@ -65,20 +63,8 @@ void SetHorizons(const std::vector<core::PredictedFrame>& frames,
   }
 }
 
-absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
-                            const std::string& database, const core::Model& model, int top_count,
-                            v1::RecognizeResponse& message) {
-  std::size_t scores = 0;
-  for (const core::RecognizedWindow& window : windows) {
-    scores += Count(window.clips.size(), top_count) + window.labels.size();
-  }
-  if (scores > kMaxScores) {
-    return FieldViolation(
-        "top_count",
-        "the response would have {} clips and labels in {} windows, the limit is {}; set a smaller "
-        "top_count or a longer hop",
-        scores, windows.size(), kMaxScores);
-  }
+void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const std::string& database,
+                    const core::Model& model, int top_count, v1::RecognizeResponse& message) {
   for (const core::RecognizedWindow& window : windows) {
     v1::RecognitionWindow& to = *message.add_windows();
     to.set_start_seconds(window.start_seconds);
@@ -96,7 +82,6 @@ absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
     SetLabels(window.labels, 0, *to.mutable_labels());
     SetTracks(window.other_tracks, 0, *to.mutable_other_tracks());
   }
-  return absl::OkStatus();
 }
 
 void SetMatches(const std::vector<core::MotionMatch>& matches, const std::string& database,
@@ -221,11 +206,10 @@ absl::StatusOr<core::RecognizeOptions> ParseRecognizeOptions(const v1::Recognize
   return options;
 }
 
-absl::StatusOr<core::FindOptions> ParseFindOptions(const v1::FindRequest& request) {
+core::FindOptions ParseFindOptions(const v1::FindRequest& request) {
   core::FindOptions options;
   if (request.has_top_count()) options.top_count = request.top_count();
   options.exhaustive = request.exhaustive();
-  MOTIONDB_RETURN_IF_ERROR(core::CheckOptions(options));
   return options;
 }
 

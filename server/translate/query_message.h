@@ -35,11 +35,9 @@ class RecognizeResponse;
 
 namespace motiondb::server {
 
-// Sets at most `top_count` clips for each window; 0 means all. Returns INVALID_ARGUMENT for more
-// clips and labels than one message may have.
-absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
-                            const std::string& database, const core::Model& model, int top_count,
-                            v1::RecognizeResponse& message);
+// Sets at most `top_count` clips for each window; 0 means all.
+void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const std::string& database,
+                    const core::Model& model, int top_count, v1::RecognizeResponse& message);
 
 void SetMatches(const std::vector<core::MotionMatch>& matches, const std::string& database,
                 const core::Model& model, v1::FindResponse& message);
@@ -60,11 +58,11 @@ void SetHorizons(const std::vector<core::PredictedFrame>& frames,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages);
 
 // Convert the settings of a query to options of core, with the defaults of core for settings not
-// given. Core checks most options; these functions return INVALID_ARGUMENT for values without an
-// equivalent in core.
+// given. Core checks options; these functions return INVALID_ARGUMENT for values without an
+// equivalent in core: an unknown enumerator, and a number below 1 where absence is 0 in core.
 
 absl::StatusOr<core::RecognizeOptions> ParseRecognizeOptions(const v1::RecognizeRequest& request);
-absl::StatusOr<core::FindOptions> ParseFindOptions(const v1::FindRequest& request);
+core::FindOptions ParseFindOptions(const v1::FindRequest& request);
 absl::StatusOr<core::EstimateOptions> ParseEstimateOptions(const v1::EstimateRequest& request);
 absl::StatusOr<core::PredictOptions> ParsePredictOptions(const v1::PredictRequest& request);
 absl::StatusOr<SeriesOptions> ParseSeriesOptions(const v1::PredictSeriesRequest& request);

@@ -1,6 +1,5 @@
 #include "server/translate/record_messages.h"
 
-#include <cmath>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "motiondb/v1/database.pb.h"
 #include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/store.pb.h"
+#include "server/engine/marker_schemes.h"
 #include "server/engine/model_lifecycle.h"
 #include "server/translate/annotation_message.h"
 #include "server/translate/file_format.h"
@@ -23,10 +23,6 @@
 namespace motiondb::server {
 
 namespace {
-
-// Range of Database.min_frames.
-constexpr int kLowestMinFrames = 2;  // one frame has no variance
-constexpr int kHighestMinFrames = 1'000'000;
 
 constexpr int kMaxUnderived = 100;  // in a description
 
@@ -112,31 +108,11 @@ v1::Calibration ToProto(Calibration calibration, core::UnknownCalibration unknow
 
 absl::StatusOr<core::BuildSettings> ParseBuildSettings(const v1::Database& database) {
   core::BuildSettings settings;
-  const double rate = database.frame_rate_hz();
-  if (database.has_frame_rate_hz() &&
-      !(rate >= core::kMinFrameRate_hz && rate <= core::kMaxFrameRate_hz)) {
-    return FieldViolation("database.frame_rate_hz", "expected {} to {}, got {}",
-                          core::kMinFrameRate_hz, core::kMaxFrameRate_hz, rate);
-  }
-  const int min_frames = database.min_frames();
-  if (database.has_min_frames() &&
-      (min_frames < kLowestMinFrames || min_frames > kHighestMinFrames)) {
-    return FieldViolation("database.min_frames", "expected {} to {}, got {}", kLowestMinFrames,
-                          kHighestMinFrames, min_frames);
-  }
-  if (database.has_frame_rate_hz()) settings.frame_rate_hz = rate;
-  if (database.has_min_frames()) settings.min_frames = min_frames;
+  if (database.has_frame_rate_hz()) settings.frame_rate_hz = database.frame_rate_hz();
+  if (database.has_min_frames()) settings.min_frames = database.min_frames();
   MOTIONDB_ASSIGN_OR_RETURN(settings.scaling, ScalingFrom(database.scaling()));
   MOTIONDB_ASSIGN_OR_RETURN(settings.glitches, GlitchPolicyFrom(database.glitches()));
   return settings;
-}
-
-absl::StatusOr<MarkerSetSetting> ParseMarkerSet(const v1::Database& database) {
-  MOTIONDB_RETURN_IF_ERROR(CheckPlainLines("database.marker_set_file", database.marker_set_file()));
-  auto setting = ResolveMarkerSet(database.marker_set(), database.marker_set_file());
-  if (setting.ok()) return setting;
-  const bool own = !database.marker_set_file().empty();
-  return AtField(own ? "database.marker_set_file" : "database.marker_set", setting.status());
 }
 
 void SetDatabaseSettings(const storage::DatabaseRecord& record, v1::Database& message) {

@@ -8,7 +8,6 @@
 #include "core/tree/feature_scale.h"
 #include "motiondb/v1/database.pb.h"
 #include "server/engine/live_database.h"
-#include "server/engine/marker_schemes.h"
 #include "server/engine/snapshot.h"
 #include "storage/records.h"
 #include "storage/store_maintenance.h"
@@ -26,9 +25,8 @@ class UploadClipResponse;
 namespace motiondb::server {
 
 // Returns the settings of a database to create, with defaults for settings not given. Returns
-// INVALID_ARGUMENT with the field, below `database`.
+// INVALID_ARGUMENT with the field, below `database`, for an unknown value.
 absl::StatusOr<core::BuildSettings> ParseBuildSettings(const v1::Database& database);
-absl::StatusOr<MarkerSetSetting> ParseMarkerSet(const v1::Database& database);
 
 // Sets the statistics that Model and DescribeDatabaseResponse have in common. They are the stored
 // values, as in `status` and in the metrics.

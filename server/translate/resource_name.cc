@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "server/engine/request_checks.h"
 #include "server/translate/message_fields.h"
 
 namespace motiondb::server {
@@ -56,10 +57,6 @@ absl::StatusOr<Number> ParseNumber(std::string_view field, std::string_view expe
 }
 
 bool IsLowerOrDigit(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
-
-bool IsClipIdCharacter(char c) {
-  return IsLowerOrDigit(c) || (c >= 'A' && c <= 'Z') || c == '-' || c == '_' || c == '.';
-}
 
 }  // namespace
 
@@ -174,13 +171,6 @@ absl::Status CheckDatabaseId(std::string_view field, std::string_view id) {
   return FieldViolation(
       field, "expected 1 to 63 of a-z, 0-9, '-', '_', beginning with a letter or digit, got '{}'",
       id);
-}
-
-absl::Status CheckClipId(std::string_view field, std::string_view id) {
-  if (!id.empty() && id.size() <= 127 && std::ranges::all_of(id, IsClipIdCharacter)) {
-    return CheckNoToken(field, id);
-  }
-  return FieldViolation(field, "expected 1 to 127 of letters, digits, '-', '_', '.', got '{}'", id);
 }
 
 }  // namespace motiondb::server

@@ -65,7 +65,5 @@ std::string TokenName(std::string_view token);
 // Checks the id of a new database: 1 to 63 of a-z, 0-9, '-', '_', beginning with a letter or digit.
 // Returns INVALID_ARGUMENT with the field.
 absl::Status CheckDatabaseId(std::string_view field, std::string_view id);
-// Checks the id of a new clip: 1 to 127 of letters, digits, '-', '_', '.'.
-absl::Status CheckClipId(std::string_view field, std::string_view id);
 
 }  // namespace motiondb::server

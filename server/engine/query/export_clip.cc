@@ -125,8 +125,16 @@ class Exporter {
 
 }  // namespace
 
+absl::Status CheckWrittenFormat(std::string_view field, core::FileFormat format) {
+  const core::FormatInfo& info = core::InfoOf(format);
+  if (info.is_written) return absl::OkStatus();
+  return core::FieldViolation(
+      field, "{} files are read only; expected BVH, TRC, C3D, CSV, NPZ or GLTF", info.name);
+}
+
 absl::StatusOr<ExportedMotion> ExportMotion(Engine& engine, const storage::ClipRecord& clip,
                                             core::FileFormat format, const WorkOptions& terms) {
+  MOTIONDB_RETURN_IF_ERROR(CheckWrittenFormat("format", format));
   if (terms.allowed == AllowedWork::kLightWork) return HeavyWork();
   return Exporter(engine, clip, terms).Export(format);
 }

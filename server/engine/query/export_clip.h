@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -13,6 +14,9 @@ namespace motiondb::server {
 
 class Engine;
 
+// Returns INVALID_ARGUMENT, with the field, for a format that is read only.
+absl::Status CheckWrittenFormat(std::string_view field, core::FileFormat format);
+
 struct ExportedMotion {
   std::string file_name;  // the clip's id with the extension of the format
   std::string bytes;
@@ -23,7 +27,7 @@ struct ExportedMotion {
 // with joints, as joint angles of the clip's skeleton that fit the markers by inverse kinematics. A
 // clip without a skeleton has markers only. Heavy work: see IsHeavyWork. Codes: NOT_FOUND,
 // DATA_LOSS, RESOURCE_EXHAUSTED, FAILED_PRECONDITION (no marker set yet), CANCELLED;
-// INVALID_ARGUMENT if the format cannot express the motion.
+// INVALID_ARGUMENT if the format is read only or cannot express the motion.
 absl::StatusOr<ExportedMotion> ExportMotion(Engine& engine, const storage::ClipRecord& clip,
                                             core::FileFormat format, const WorkOptions& terms);
 

@@ -8,6 +8,7 @@
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
 #include "server/engine/live_database.h"
+#include "server/engine/request_checks.h"
 #include "server/engine/source_reader.h"
 
 namespace motiondb::server {
@@ -64,6 +65,7 @@ class Reader {
         set_(set) {}
 
   absl::StatusOr<ReadObservation> Read() const {
+    MOTIONDB_RETURN_IF_ERROR(CheckStated());
     if (observation_.leg_length_m) {
       MOTIONDB_RETURN_IF_ERROR(
           CheckPositive(observation_, "leg_length_m", *observation_.leg_length_m));
@@ -72,6 +74,23 @@ class Reader {
   }
 
  private:
+  // Checks what the caller states about a file, or about the body of markers.
+  absl::Status CheckStated() const {
+    if (const auto* const file = std::get_if<ObservedFile>(&observation_.motion)) {
+      MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile(observation_.field, file->format,
+                                                 file->skeleton ? file->skeleton->name : ""));
+      return CheckConventions(observation_.field, file->conventions, observation_.leg_length_m,
+                              file->force);
+    }
+    constexpr double kMaxLeg_m = 3;  // of persons and robots
+    if (!observation_.leg_length_m || !(*observation_.leg_length_m > kMaxLeg_m)) {
+      return absl::OkStatus();
+    }
+    return FieldViolation(SubField(observation_, "leg_length_m"),
+                          "expected at most {} metres, got {}", kMaxLeg_m,
+                          *observation_.leg_length_m);
+  }
+
   absl::StatusOr<ReadObservation> ReadForm(const ObservedFile& file) const {
     auto read = ReadSource(file.format, file.file, file.skeleton, file.conventions, terms_);
     if (!read.ok()) return core::AtField(SubField(observation_, "data"), read.status());

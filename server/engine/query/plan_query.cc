@@ -6,6 +6,7 @@
 
 #include "core/motion/error.h"
 #include "core/planning/synthesis.h"
+#include "server/engine/query/export_clip.h"
 #include "server/engine/query/query_memory.h"
 #include "server/engine/query/search_clock.h"
 
@@ -45,6 +46,9 @@ absl::Status WithLimits(const absl::Status& status) {
 
 absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& request) {
   MOTIONDB_RETURN_IF_ERROR(CheckSearchTime(request.max_search_seconds));
+  if (request.file_format) {
+    MOTIONDB_RETURN_IF_ERROR(CheckWrittenFormat("file_format", *request.file_format));
+  }
   PreparedPlan plan{.problem = request.problem};
   core::PlanProblem& problem = plan.problem;
   problem.playable.mask = query.mask();

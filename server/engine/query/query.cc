@@ -74,6 +74,7 @@ absl::StatusOr<std::vector<core::RecognizedWindow>> Query::Recognize(const Obser
   MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(BytesToRecognize(model(), states, options, top_count)));
   auto windows = core::Recognize(model(), states, options, terms_.cancelled);
   if (!windows.ok()) return windows;
+  MOTIONDB_RETURN_IF_ERROR(CheckScores(*windows, top_count));
   for (const core::RecognizedWindow& window : *windows) {
     database_->CountWindow(window.unknown_probability);
   }

@@ -6,6 +6,7 @@
 #include "core/inference/node_path.h"
 #include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
+#include "core/motion/error.h"
 #include "core/recognition/recognize.h"
 #include "server/engine/representation.h"
 
@@ -218,8 +219,7 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
   constexpr Bytes kSearch = 12 << 20;
   constexpr Bytes kStoredFrame = 32;          // axis, path length, jolt, run
   constexpr Bytes kFrameSynthesis = 2 << 10;  // during the synthesis of a motion
-  const double rate =
-      problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model.settings().frame_rate_hz;
+  const double rate = problem.frame_rate_hz.value_or(model.settings().frame_rate_hz);
   const auto frames = static_cast<Bytes>(problem.max_duration_seconds * rate) + 1;
   const Bytes dofs = problem.skeleton == nullptr ? 0 : problem.skeleton->dof_count();
   const Bytes start =
@@ -249,6 +249,22 @@ std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files) {
              angles * (kAngle + (with_files ? kAngleAsText : 0)) + joints * kJoint;
   }
   return bytes;
+}
+
+absl::Status CheckScores(const std::vector<core::RecognizedWindow>& windows, int top_count) {
+  constexpr std::size_t kMaxScores = 1 << 20;  // in a response, about 100 bytes each
+  std::size_t scores = 0;
+  for (const core::RecognizedWindow& window : windows) {
+    const std::size_t clips = window.clips.size();
+    scores += top_count == 0 ? clips : std::min(clips, static_cast<std::size_t>(top_count));
+    scores += window.labels.size();
+  }
+  if (scores <= kMaxScores) return absl::OkStatus();
+  return core::FieldViolation(
+      "top_count",
+      "the response would have {} clips and labels in {} windows, the limit is {}; set a smaller "
+      "top_count or a longer hop",
+      scores, windows.size(), kMaxScores);
 }
 
 }  // namespace motiondb::server

@@ -1,9 +1,11 @@
-// Upper bounds of the memory of queries, computed before anything is allocated, from observation,
-// options and model. All in bytes, with the states of the observation.
+// Upper bounds of the memory of queries and of their responses, computed before anything is
+// allocated, from observation, options and model. All in bytes, with the states of the observation.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "absl/status/status.h"
 #include "core/estimation/estimate.h"
 #include "core/motion/states.h"
 #include "core/observe/observer.h"
@@ -17,6 +19,9 @@ namespace motiondb::server {
 // With the response; `top_count` as in RecognizeRequest.
 std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequence& states,
                               const core::RecognizeOptions& options, int top_count);
+// INVALID_ARGUMENT naming top_count if the windows have more clips and labels than one response may
+// have.
+absl::Status CheckScores(const std::vector<core::RecognizedWindow>& windows, int top_count);
 // With the response. `frames`: of the whole observation, or of the part of a clip.
 std::int64_t BytesToFind(const core::Model& model, int frames, const core::FindOptions& options);
 // With the response.

@@ -80,6 +80,8 @@ TEST_CASE("CheckProblem: each wrong number is named", "[core][planning]") {
   CHECK(RefusedAfter([](PlanProblem& p) { p.max_duration_seconds = 121; }) ==
         "max_duration_seconds");
   CHECK(RefusedAfter([](PlanProblem& p) { p.coarse_layer = -1; }) == "coarse_layer");
+  CHECK(RefusedAfter([](PlanProblem& p) { p.coarse_layer = 0; }) == "coarse_layer");
+  CHECK(RefusedAfter([](PlanProblem& p) { p.frame_rate_hz = 0; }) == "frame_rate_hz");
   CHECK(RefusedAfter([](PlanProblem& p) { p.coarse_layer = 1 + TwoClips().layer_count(); }) ==
         "coarse_layer");
   CHECK(RefusedAfter([](PlanProblem& p) { p.alternative_count = 11; }) == "alternative_count");

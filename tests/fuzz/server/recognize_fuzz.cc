@@ -22,7 +22,8 @@ absl::Status Recognize(const v1::RecognizeRequest& request, v1::RecognizeRespons
                             server::ParseObservation("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer,
                             query.Recognize(observation, options, request.top_count()));
-  return server::SetRecognition(answer, "db", query.model(), request.top_count(), response);
+  server::SetRecognition(answer, "db", query.model(), request.top_count(), response);
+  return absl::OkStatus();
 }
 
 }  // namespace

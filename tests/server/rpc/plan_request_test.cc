@@ -102,10 +102,12 @@ TEST_CASE("Plan: the error names the invalid field", "[server][rpc][plan]") {
   expect("search_timeout", [](auto& r) { r.mutable_search_timeout()->set_seconds(-1); });
   expect("search_timeout", [](auto& r) { r.mutable_search_timeout()->set_seconds(61); });
   expect("coarse_layer", [](auto& r) { r.set_coarse_layer(-1); });
+  expect("coarse_layer", [](auto& r) { r.set_coarse_layer(0); });
   expect("coarse_layer", [](auto& r) { r.set_coarse_layer(1000); });
   expect("alternative_count", [](auto& r) { r.set_alternative_count(11); });
   expect("alternative_count", [](auto& r) { r.set_alternative_count(-1); });
   expect("frame_rate_hz", [](auto& r) { r.set_frame_rate_hz(0.5); });
+  expect("frame_rate_hz", [](auto& r) { r.set_frame_rate_hz(0); });
   expect("frame_rate_hz", [](auto& r) { r.set_frame_rate_hz(1001); });
   expect("frame_rate_hz", [](auto& r) { r.set_frame_rate_hz(kNan); });
   expect("frame_rate_hz", [](auto& r) {  // more than fits into a message

@@ -1,7 +1,8 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "server/translate/message_fields.h"
+#include "server/engine/ingest_rules.h"
+#include "server/engine/request_checks.h"
 #include "server/translate/resource_name.h"
 #include "tests/support/shown_text_cases.h"
 

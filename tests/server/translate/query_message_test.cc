@@ -4,12 +4,13 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/query.pb.h"
+#include "server/engine/query/query_memory.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::server::query_message_test {
 namespace {
 
-TEST_CASE("SetRecognition: a response with too many clips and labels is refused",
+TEST_CASE("CheckScores: a response with too many clips and labels is refused",
           "[server][translate][hostile]") {
   const core::Model model = tests::SmallModel(2, 40, 3, 4, 1);
   core::RecognizedWindow window;
@@ -18,18 +19,18 @@ TEST_CASE("SetRecognition: a response with too many clips and labels is refused"
   std::vector<core::RecognizedWindow> windows(1024, window);  // 2^20: the maximum
   windows.emplace_back().labels.resize(1);
 
-  v1::RecognizeResponse response;
-  const absl::Status refused = SetRecognition(windows, "d", model, 0, response);
+  const absl::Status refused = CheckScores(windows, 0);
   CHECK(refused.code() == absl::StatusCode::kInvalidArgument);
   CHECK(refused.GetPayload(core::kFieldUrl).has_value());
   CHECK_THAT(std::string(refused.message()),
              Catch::StartsWith("top_count: the response would have 1048577 clips and labels in "
                                "1025 windows, the limit is 1048576"));
-  CHECK(response.windows().empty());
-  CHECK(SetRecognition(windows, "d", model, 1023, response).code() == refused.code());
+  CHECK(CheckScores(windows, 1023).code() == refused.code());
 
   // Fewer are accepted.
-  REQUIRE(SetRecognition(windows, "d", model, 2, response).ok());
+  REQUIRE(CheckScores(windows, 2).ok());
+  v1::RecognizeResponse response;
+  SetRecognition(windows, "d", model, 2, response);
   CHECK(response.windows_size() == 1025);
   CHECK(response.windows(0).clips_size() == 2);
 }

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "server/engine/ingest_rules.h"
+
 namespace motiondb::server::resource_name_test {
 namespace {
 

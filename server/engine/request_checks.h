@@ -1,0 +1,39 @@
+// Checks of values that several requests have. An error is INVALID_ARGUMENT with the path of the
+// field. Text that is stored is checked, because it is later shown in tables and on terminals.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "core/format/motion_file.h"
+
+namespace motiondb::server {
+
+// Returns INVALID_ARGUMENT unless `value` is finite and positive.
+absl::Status CheckPositive(std::string_view field, double value);
+
+// Returns INVALID_ARGUMENT if the text contains a bearer token, because many users can read stored
+// text.
+absl::Status CheckNoToken(std::string_view field, std::string_view text);
+
+// Returns INVALID_ARGUMENT for more than `max_bytes` bytes, a display control
+// (text/display_text.h), or a token.
+absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t max_bytes);
+
+// Like CheckPlainText, for a text file of any length, with line ends and tabs.
+absl::Status CheckPlainLines(std::string_view field, std::string_view text);
+
+// Check what a caller states about a motion file. `prefix`: the path of its message, as "header"
+// for header.conventions.take.
+
+// An AMC comes with an ASF file; other formats have no skeleton file, except CSV.
+absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
+                               std::string_view skeleton_file_name);
+
+// Numbers must be finite and positive; without `force`, the leg that of a person.
+absl::Status CheckConventions(std::string_view prefix, const core::ReadOptions& given,
+                              std::optional<double> leg_length_m, bool force);
+
+}  // namespace motiondb::server

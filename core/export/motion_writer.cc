@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <string>
@@ -11,9 +12,9 @@
 #include <variant>
 #include <vector>
 
-#include "core/export/losses.h"
 #include "core/export/writers.h"
 #include "core/format/motion_file.h"
+#include "core/format/text_scanner.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/motion/marker_rules.h"
@@ -21,6 +22,47 @@
 
 namespace motiondb::core {
 namespace {
+
+// Adds a note if names differ in the file: their number and the first of them. REQUIRES: equal
+// sizes. O(names).
+void ReportNames(const std::vector<std::string>& before, const std::vector<std::string>& after,
+                 std::vector<std::string>& losses) {
+  constexpr int kShownNames = 3;
+  std::string examples;
+  int changed = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i] == after[i]) continue;
+    if (++changed > kShownNames) continue;
+    examples +=
+        fmt::format("{}'{}' is '{}'", changed == 1 ? "" : ", ", Shown(before[i]), Shown(after[i]));
+  }
+  if (changed == 0) return;
+  losses.push_back(fmt::format("names: {} of {} are changed: {}{}", changed, before.size(),
+                               examples, changed > kShownNames ? ", ..." : ""));
+}
+
+// Adds notes if joints have limits, or axes that they turn about, in a format that keeps only their
+// rotations. O(joints).
+void ReportJointProperties(const Motion& motion, std::string_view format,
+                           std::vector<std::string>& losses) {
+  const auto* const joints = std::get_if<JointMotion>(&motion);
+  if (joints == nullptr) return;
+  bool has_limits = false;
+  bool has_axes = false;
+  for (const Joint& joint : joints->skeleton->joints()) {
+    const auto rotations = std::count_if(joint.dofs.begin(), joint.dofs.end(), [](const Dof& dof) {
+      return dof.kind == Dof::Kind::kRotation;
+    });
+    has_axes = has_axes || rotations == 1 || rotations == 2;
+    for (const Dof& dof : joint.dofs) {
+      has_limits = has_limits || std::isfinite(dof.lower) || std::isfinite(dof.upper);
+    }
+  }
+  if (has_limits) losses.push_back(fmt::format("joint limits: {} has none", format));
+  if (has_axes) {
+    losses.push_back(fmt::format("joint axes: {} turns each joint about any axis", format));
+  }
+}
 
 // Returns the markers that have a position, without gaps. INVALID_ARGUMENT if there is none.
 absl::StatusOr<MarkerMotion> WithoutGaps(const MarkerMotion& markers, WrittenMotion& written) {

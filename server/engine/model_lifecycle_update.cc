@@ -2,18 +2,22 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
+#include "core/model/model.h"
 #include "core/motion/error.h"
-#include "server/engine/clip_labels.h"
 #include "server/engine/compute_model.h"
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/stored_clips.h"
 #include "server/engine/work/operation_registry.h"
 #include "server/engine/work/without_exceptions.h"
+#include "server/filter/catalog.h"
 #include "storage/blob/newer_format.h"
+#include "storage/clip_segments.h"
 
 namespace motiondb::server {
 namespace {
@@ -27,6 +31,29 @@ bool LacksCalibration(const core::Model& model) {
 
 bool IsExtensible(const Snapshot& snapshot) {
   return snapshot.is_extensible && snapshot.model.tree().has_planes();
+}
+
+// Returns the stored labels and subjects of the model's clips, or nullopt if the model has them. A
+// clip that is no longer stored keeps its own. O(clips + segments).
+std::optional<std::vector<core::ClipLabels>> StoredLabels(const core::Model& model,
+                                                          const Catalog& catalog) {
+  std::vector<core::ClipLabels> labels;
+  labels.reserve(model.clips().size());
+  bool is_changed = false;
+  for (const core::ModelClip& clip : model.clips()) {
+    const CatalogClip* const stored = catalog.Find(clip.id);
+    if (stored == nullptr) {
+      labels.push_back({clip.labels, clip.subject});
+      continue;
+    }
+    labels.push_back(
+        {storage::LabelTracksOf(stored->segments, model.settings().frame_rate_hz, clip.frame_count),
+         stored->subject});
+    is_changed =
+        is_changed || labels.back().labels != clip.labels || labels.back().subject != clip.subject;
+  }
+  if (!is_changed) return std::nullopt;
+  return labels;
 }
 
 }  // namespace

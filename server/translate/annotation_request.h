@@ -1,7 +1,10 @@
 // Converts requested changes of clips and segments to changes of the store.
 #pragma once
 
+#include <google/protobuf/map.h>
+
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -11,6 +14,7 @@ namespace motiondb::v1 {
 class BatchEditRequest;
 class CreateSegmentRequest;
 class DeleteSegmentRequest;
+class FieldValue;
 class UpdateClipRequest;
 class UpdateSegmentRequest;
 }  // namespace motiondb::v1
@@ -32,5 +36,10 @@ absl::StatusOr<RequestedChange> ParseChange(const v1::DeleteSegmentRequest& requ
 // Also if a change is of another database than `database`.
 absl::StatusOr<std::vector<storage::Change>> ParseChanges(const std::string& database,
                                                           const v1::BatchEditRequest& request);
+
+// Converts fields of a clip. INVALID_ARGUMENT with `field`, the path in the request, for a value of
+// no kind.
+using GivenFields = google::protobuf::Map<std::string, v1::FieldValue>;
+absl::StatusOr<storage::Fields> ParseFields(std::string_view field, const GivenFields& given);
 
 }  // namespace motiondb::server

@@ -6,7 +6,7 @@
 #include "motiondb/v1/clip.pb.h"
 #include "server/engine/file_names.h"
 #include "server/engine/ingest_rules.h"
-#include "server/translate/annotation_values.h"
+#include "server/translate/annotation_request.h"
 #include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"

@@ -1,12 +1,15 @@
 #include "server/engine/work/workers.h"
 
 #include <algorithm>
+#include <atomic>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <thread>
 #include <utility>
 
+#include "server/engine/work/concurrency_limiter.h"
 #include "server/engine/work/shared_loop.h"
+#include "server/engine/work/thread_pool.h"
 
 namespace motiondb::server {
 namespace {
@@ -58,13 +61,24 @@ int Workers::ThreadCount(const EngineOptions& options) {
   return RequestThreads(options) + BuildThreads(options) + MaxImports() + kOtherThreads;
 }
 
+struct Workers::Threads {
+  // `in_turn`: maximum threads for work of PostFair.
+  Threads(int count, int in_turn)
+      : thread_count(count), threads(count), limiter(threads, in_turn) {}
+  const int thread_count;
+  std::atomic<int> queued{0};
+  std::atomic<int> queued_in_turn{0};
+  ThreadPool threads;
+  ConcurrencyLimiter limiter;
+};
+
 Workers::Workers(const EngineOptions& options)
-    : pools_{Threads(RequestThreads(options), HeavyThreads(options)),
-             Threads(BuildThreads(options), BuildThreads(options)),
-             Threads(1, 1),
-             Threads(2, 1),
-             Threads(1, 1),
-             Threads(MaxImports(), MaxImports())} {}
+    : pools_{std::make_unique<Threads>(RequestThreads(options), HeavyThreads(options)),
+             std::make_unique<Threads>(BuildThreads(options), BuildThreads(options)),
+             std::make_unique<Threads>(1, 1),
+             std::make_unique<Threads>(2, 1),
+             std::make_unique<Threads>(1, 1),
+             std::make_unique<Threads>(MaxImports(), MaxImports())} {}
 
 Workers::~Workers() { Join(); }
 
@@ -89,6 +103,12 @@ core::ParallelFor Workers::Parallel(Pool pool) {
     });
   };
 }
+
+int Workers::queued(Pool pool) const { return At(pool).queued + At(pool).queued_in_turn; }
+
+int Workers::request_threads() const { return At(Pool::kRequests).thread_count; }
+
+int Workers::running_heavy() { return At(Pool::kRequests).limiter.running(); }
 
 QueueLengths Workers::queued() const {
   return {.requests = At(Pool::kRequests).queued,

@@ -5,15 +5,12 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "server/engine/work/concurrency_limiter.h"
 #include "server/engine/work/executor.h"
 #include "server/engine/work/options.h"
-#include "server/engine/work/thread_pool.h"
 
 namespace motiondb::server {
 
@@ -44,30 +41,21 @@ class Workers : public Executor {
   void PostFair(Pool pool, const std::string& client, Work work);
   QueueLengths queued() const;
   // Queued work that has not begun.
-  int queued(Pool pool) const { return At(pool).queued + At(pool).queued_in_turn; }
-  int request_threads() const { return At(Pool::kRequests).thread_count; }
+  int queued(Pool pool) const;
+  int request_threads() const;
   // Heavy work that runs or is next to run.
-  int running_heavy() { return At(Pool::kRequests).limiter.running(); }
+  int running_heavy();
 
   // Returns when all work is done. No work may be posted afterwards.
   void Join();
 
  private:
-  struct Threads {
-    // `in_turn`: maximum threads for work of PostFair.
-    Threads(int count, int in_turn)
-        : thread_count(count), threads(count), limiter(threads, in_turn) {}
-    const int thread_count;
-    std::atomic<int> queued{0};
-    std::atomic<int> queued_in_turn{0};
-    ThreadPool threads;
-    ConcurrencyLimiter limiter;
-  };
+  struct Threads;  // of one pool; in workers.cc, so that users of this header do not read Asio
 
-  Threads& At(Pool pool) { return pools_[static_cast<std::size_t>(pool)]; }
-  const Threads& At(Pool pool) const { return pools_[static_cast<std::size_t>(pool)]; }
+  Threads& At(Pool pool) { return *pools_[static_cast<std::size_t>(pool)]; }
+  const Threads& At(Pool pool) const { return *pools_[static_cast<std::size_t>(pool)]; }
 
-  std::array<Threads, 6> pools_;  // by Pool
+  std::array<std::unique_ptr<Threads>, 6> pools_;  // by Pool
 };
 
 }  // namespace motiondb::server

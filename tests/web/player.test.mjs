@@ -64,11 +64,11 @@ test('the camera follows the figure only if that is chosen', async (t) => {
   const target = [0.5, 0.25, 1];
   // A key that turns the camera puts its place in the address.
   const cameraOf = async (page) => {
-    const before = page.url();
+    const textOf = (address) => decodeURIComponent(address).match(/camera=([-\d.,]+)/)[1];
+    const before = textOf(page.url());
     await page.locator(canvas).press('ArrowLeft');
-    await page.waitForURL((url) => url.href !== before);
-    const [, text] = decodeURIComponent(page.url()).match(/camera=([-\d.,]+)/);
-    const values = text.split(',').map(Number);
+    await page.waitForURL((url) => textOf(url.href) !== before);
+    const values = textOf(page.url()).split(',').map(Number);
     return { eye: values.slice(0, 3), target: values.slice(3) };
   };
   const length = ({ eye: from, target: to }) => Math.hypot(...from.map((value, i) => value - to[i]));

@@ -64,7 +64,8 @@ constexpr std::array kAllowed = {
     // ListDatabaseStates lists all databases. The index of unfinished operations has only those.
     "SELECT name, database_key, revision, row_crc FROM database ",
     "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
-    "operation.create_time_us, update_time_us, kind FROM operation JOIN database USING "
+    "operation.create_time_us, update_time_us, kind, database_key FROM operation JOIN database "
+    "USING "
     "(database_key) WHERE deleted = 0 AND state IN ",
 };
 

@@ -132,18 +132,28 @@ TEST_CASE("SqliteMotionStore: an import that is interrupted at any step shows an
   remove();
   int interrupted = 0;
   int staged = 0;
-  // Small strides at both ends: the transaction that shows the database is short.
-  for (int steps = 1; steps <= total; steps += 1 + std::min(steps, total - steps) / 10) {
+  const auto interrupt = [&](int steps) {
     steps_left = steps;
     const absl::Status status = Import(*store, bytes, "new");
     if (std::exchange(steps_left, 0) == 0) ++interrupted;
     INFO("after " << steps << " steps: " << status);
     if (status.ok()) remove();  // the interrupted step was not necessary
     if (Dump(*store) != before || file.OtherFiles() != files) FAIL("changed");
-    if (CountRows(file) == rows) continue;
+    if (CountRows(file) == rows) return status.ok();
     ++staged;
     REQUIRE_OK(store->PurgeDeletedDatabases({}));
     if (CountRows(file) != rows) FAIL("not purged");
+    return status.ok();
+  };
+  // The step after which none is necessary.
+  int end = 1;
+  for (int high = total; end < high;) {
+    const int middle = end + (high - end) / 2;
+    interrupt(middle) ? high = middle : end = middle + 1;
+  }
+  // Small strides at both ends: the transaction that shows the database is short.
+  for (int steps = 1; steps <= end; steps += 1 + std::min(steps, end - steps) / 10) {
+    interrupt(steps);
   }
   REQUIRE(interrupted > 50);
   REQUIRE(staged > 0);

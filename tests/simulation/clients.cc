@@ -142,10 +142,16 @@ void Clients::Step(int client) {
     run("ask for model", AskForModel(database));
   } else if (choice < 82) {
     run("cancel", Cancel());
-  } else if (choice < 91) {
+  } else if (choice < 88) {
     run("get operation", GetOperation());
-  } else {
+  } else if (choice < 94) {
     run("wait", WaitForOperation());
+  } else if (choice < 96) {
+    run("create token", MakeToken());
+  } else if (choice < 97) {
+    run("revoke token", RevokeToken(AnyServer()));
+  } else {
+    run("use token", UseAnyToken());
   }
   world.Trace(fmt::format("client {}: {} {} {}: {}", client, what, database, clip, Code(done)));
   if (absl::IsNotFound(done) && history_.Find(database) == nullptr) {

@@ -2,6 +2,7 @@
 // calls and answers, and checks the answers.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -29,6 +30,8 @@ class Clients {
   // Asks a server for the model of a database with all clips, in a task. Fails if it does not come
   // soon. `life`: until the task ends.
   void AskForLastModel(int server, const DatabaseLife& life);
+  // Revokes a token, in a task. Fails if a server then accepts a revoked one for too long.
+  void RevokeLastToken();
   // Checks that all operations have ended as the clients were told.
   void CheckOperations();
 
@@ -42,6 +45,13 @@ class Clients {
   struct KnownOperation {
     std::int64_t life = 0;                          // of its database
     std::optional<storage::OperationState> result;  // that a client was told
+  };
+
+  struct KnownToken {
+    std::string id;
+    std::string text;
+    bool may_be_revoked = false;
+    const Process* revoked_by = nullptr;  // the last one that has stored it
   };
 
   // Sends a call to a server. DEADLINE_EXCEEDED: its result is unknown.
@@ -71,6 +81,11 @@ class Clients {
   absl::Status Cancel();
   absl::Status GetOperation();
   absl::Status WaitForOperation();
+  absl::Status MakeToken();
+  absl::Status RevokeToken(int server);
+  absl::Status UseAnyToken();
+  // `is_revoked`: the server must know that.
+  absl::Status UseToken(int server, const KnownToken& token, bool is_revoked);
 
   // A client was told of an operation.
   void NoteOperation(const storage::OperationRecord& operation);
@@ -82,6 +97,7 @@ class Clients {
   int running_ = 0;
   int label_count_ = 0;
   std::map<std::string, KnownOperation> operations_;
+  std::deque<KnownToken> tokens_;
 };
 
 }  // namespace motiondb::simulation

@@ -18,6 +18,12 @@ server::Engine* Cluster::engine(int server) const {
   return of.is_ending || of.process->is_dead ? nullptr : of.engine.get();
 }
 
+server::TokenRegistry* Cluster::TokensOf(const server::Engine& engine) const {
+  const auto of = std::ranges::find_if(
+      servers_, [&](const Server& server) { return server.engine.get() == &engine; });
+  return of == servers_.end() ? nullptr : of->tokens.get();
+}
+
 void Cluster::Start(Server& server) {
   World& world = World::Current();
   processes_.push_back(std::make_unique<Process>());
@@ -34,12 +40,20 @@ void Cluster::Run(Server& server) {
   auto opened = server::Engine::Open(std::make_unique<SimulatedStore>(store_, server.process),
                                      server.options);
   world.Trace(fmt::format("start: {}", absl::StatusCodeToString(opened.status().code())));
-  if (opened.ok()) server.engine = *std::move(opened);
+  if (opened.ok()) {
+    auto tokens = std::make_unique<server::TokenRegistry>((*opened)->store().access());
+    if (store_.removed() != Protection::kRevocation) {
+      (*opened)->AddFollower([&tokens = *tokens] { tokens.FollowRevocations().IgnoreError(); });
+    }
+    server.tokens = std::move(tokens);
+    server.engine = *std::move(opened);
+  }
   if (server.engine == nullptr || server.is_ending || server.process->is_dead) End(server);
 }
 
 void Cluster::End(Server& server) {
   // Destroyed outside of the member, so that nobody sees an engine that is being destroyed.
+  const auto tokens = std::move(server.tokens);  // until the engine has ended
   auto engine = std::move(server.engine);
   engine.reset();
   server.served.clear();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/engine/engine.h"
+#include "server/security/token_registry.h"
 #include "tests/simulation/history.h"
 #include "tests/simulation/simulated_store.h"
 #include "tests/simulation/world.h"
@@ -24,6 +25,8 @@ class Cluster {
   // Null: the server does not take calls.
   server::Engine* engine(int server) const;
   Process* process(int server) const { return servers_[server].process; }
+  // The tokens of a server; null if it is ending.
+  server::TokenRegistry* TokensOf(const server::Engine& engine) const;
   // Id of the life of a served database. Until the server notices that it was deleted, and created
   // again, calls by its name can mix both. 0: not known yet.
   std::int64_t LifeOf(int server, const server::LiveDatabase* database) const;
@@ -53,6 +56,7 @@ class Cluster {
   struct Server {
     server::EngineOptions options;
     Process* process = nullptr;
+    std::unique_ptr<server::TokenRegistry> tokens = {};
     std::unique_ptr<server::Engine> engine = {};
     bool is_ending = false;
     bool is_down = true;

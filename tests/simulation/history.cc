@@ -120,7 +120,11 @@ void History::ReadContents() {
     if (!content.clips.empty() && store_.GetDatabase(state.name)->marker_set_text.empty()) {
       Fail(fmt::format("{} has clips, but not the markers of the first one", state.name));
     }
-    if (content.clips != life.clips()) life.contents.push_back(std::move(content));
+    if (content.clips == life.clips()) continue;
+    if (state.revision == life.contents.back().revision) {
+      Fail(fmt::format("the clips of {} changed without a new revision", state.name));
+    }
+    life.contents.push_back(std::move(content));
   }
 }
 
@@ -140,6 +144,14 @@ void History::ReadModel(const StoreCall& call, DatabaseLife& life) {
   }
   life.models[version] = ModelOf(*call.model, newest.front().create_time_us);
   if (on_model_) on_model_(life);
+}
+
+void History::CheckIsFreed() {
+  const auto count = server_.connection().QueryInteger(
+      "SELECT (SELECT count(*) FROM clip JOIN database USING (database_key) WHERE "
+      "database.deleted = 1) + (SELECT count(*) FROM model JOIN database USING (database_key) "
+      "WHERE database.deleted = 1)");
+  if (*count > 0) Fail("the space of a deleted database is not freed");
 }
 
 std::int64_t History::LastFence(const DatabaseLife& life) {

@@ -78,6 +78,9 @@ class History {
   void CheckListed(const std::string& what, const DatabaseLife& life, std::int64_t revision,
                    const std::map<std::string, std::string>& labels) const;
 
+  // Checks that the content of deleted databases is gone.
+  void CheckIsFreed();
+
   // Called after a model was stored, before anything else runs.
   void set_on_model(std::function<void(const DatabaseLife&)> on_model) {
     on_model_ = std::move(on_model);

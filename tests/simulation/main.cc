@@ -43,7 +43,8 @@ int main(int argc, char** argv) {
       {"fence", Protection::kFence},
       {"compare-and-set", Protection::kCompareAndSet},
       {"revision", Protection::kRevision},
-      {"database", Protection::kDatabase}};
+      {"database", Protection::kDatabase},
+      {"revocation", Protection::kRevocation}};
   app.add_option("--without", removed, "Protection of the store to remove: a seed must then fail")
       ->transform(CLI::CheckedTransformer(protections));
   app.add_flag("--trace", trace, "Print the events and the log of the servers");

@@ -22,6 +22,14 @@ BEGIN
 END;
 )sql";
 
+// The row of a freed database stays: SQLite would use its key again, which PostgreSQL does not.
+constexpr char kKeepKey[] = R"sql(
+CREATE TEMP TRIGGER keep_key BEFORE DELETE ON database
+BEGIN
+  SELECT RAISE(IGNORE);
+END;
+)sql";
+
 constexpr seconds kMaxCallDelay{8};     // longer than a build lease
 constexpr seconds kMaxConnectDelay{3};  // until a lost connection is noticed
 
@@ -140,6 +148,7 @@ class StoreServer::WatchHandle final : public storage::StoreWatch {
 };
 
 StoreServer::StoreServer(Protection removed) : removed_(removed), connection_(NewDatabase()) {
+  connection_->Execute(kKeepKey).IgnoreError();
   if (removed == Protection::kRevision) connection_->Execute(kKeepRevision).IgnoreError();
 }
 
@@ -195,6 +204,11 @@ absl::Status SimulatedStore::DeleteDatabase(const std::string& database,
                                             const storage::WriteOptions& terms) {
   const CallScope scope({"DeleteDatabase", database});
   return SqlMotionStore::DeleteDatabase(database, terms);
+}
+
+absl::Status SimulatedStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
+  const CallScope scope({"PurgeDeletedDatabases"});
+  return SqlMotionStore::PurgeDeletedDatabases(cancelled);
 }
 
 absl::StatusOr<storage::ClipRecord> SimulatedStore::AddClip(const storage::NewClip& clip) {

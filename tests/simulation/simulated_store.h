@@ -18,7 +18,7 @@ namespace motiondb::simulation {
 
 // A protection of the store that a simulation can remove, to show that it is needed and that its
 // absence is found.
-enum class Protection { kNone, kFence, kCompareAndSet, kRevision, kDatabase };
+enum class Protection { kNone, kFence, kCompareAndSet, kRevision, kDatabase, kRevocation };
 
 // A change of the store by a server.
 struct StoreCall {
@@ -73,8 +73,7 @@ class SimulatedStore final : public storage::SqlMotionStore {
                               const storage::WriteOptions& terms = {}) override;
   absl::Status DeleteDatabase(const std::string& database,
                               const storage::WriteOptions& terms = {}) override;
-  // Deleted databases stay: SQLite would use their keys again, which PostgreSQL does not.
-  absl::Status PurgeDeletedDatabases(const core::Cancelled&) override { return absl::OkStatus(); }
+  absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override;
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override;
   absl::StatusOr<storage::ClipRecord> ReplaceClip(const storage::ClipRecord& before,
                                                   const storage::NewClip& clip) override;

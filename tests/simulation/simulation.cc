@@ -19,6 +19,8 @@ constexpr seconds kAccidentTime{20};
 // killed builder (5 s), the polls of another server (4 s), the longest delay of a build (option),
 // the build and the load.
 constexpr seconds kRecoveryTime{20};
+// Until the content of a deleted database is freed, by the server that deleted it or another one.
+constexpr seconds kMaxPurgeDelay{660};
 
 class Simulation {
  public:
@@ -52,6 +54,14 @@ class Simulation {
     CheckRecovered(cluster, /*is_complete=*/true);
     clients.CheckOperations();
     AskForModels(cluster, clients);
+    clients.RevokeLastToken();
+    world_.RunUntil(world_.now() + kRecoveryTime);
+    if (!clients.all_have_ended()) world_.Fail("a call with a token does not end");
+    // In few seeds, since servers look at the store each second.
+    if (world_.Chance(0.01)) {
+      world_.RunUntil(world_.now() + kMaxPurgeDelay);
+      history_.CheckIsFreed();
+    }
     Stop(cluster);
     return world_.trace_hash();
   }

@@ -8,7 +8,7 @@ first=$("$program" --seeds 5)
 again=$("$program" --seeds 5)
 [ "$first" = "$again" ] || { echo "the same seeds gave '$first', then '$again'" >&2; exit 1; }
 
-for protection in fence compare-and-set revision database; do
+for protection in fence compare-and-set revision database revocation; do
   if found=$("$program" --seeds 1000 --without "$protection"); then
     echo "the missing $protection was not found: $found" >&2
     exit 1

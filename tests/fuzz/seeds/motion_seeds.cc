@@ -80,6 +80,8 @@ TEST_CASE("Seeds: marker sets", "[seeds]") {
 TEST_CASE("Seeds: CSV", "[seeds]") {
   const std::string robot = std::string(kBiped) + '\0';
   WriteSeed("csv_fuzz", "joints", robot + std::string(kTable));
+  // A robot that begins as a gzip file and ends there.
+  WriteSeed("csv_fuzz", "truncated_gzip", "\x1f\x8b\0"s + std::string(kTable));
   WriteSeed("csv_fuzz", "plain", robot + "0,0,0.8,0,0,0,1,0.1,0.2,0.3,0.4\n"s);
   WriteSeed("csv_fuzz", "bones_seed",
             robot + "Frame,root_translateX,root_translateY,root_translateZ,root_rotateX,"s +

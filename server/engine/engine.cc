@@ -113,7 +113,7 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
   const auto live = FindServed(database);
   if (live == nullptr) return NoDatabase(database);
   const auto remove = [&] {
-    const absl::Status deleted = store_->DeleteDatabase(database, terms);
+    const absl::Status deleted = store_->DeleteDatabase(database, WithDatabase(terms, *live));
     if (!deleted.ok()) return deleted;
     live->lifecycle().Forget();
     const storage::MutexLock lock(mutex_);

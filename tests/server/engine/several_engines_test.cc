@@ -301,6 +301,8 @@ TEST_CASE("Engines on one store: a change of a deleted database is not made in o
   CHECK(is_refused(b.engine->Edit("d", std::vector<storage::Change>{label}, "somebody")));
   CHECK(Require(store->ListClips("d", {})).size() == 1);
   CHECK(Require(store->GetClip("d", clip)).label != "stroll");
+  CHECK(is_refused(b.engine->DeleteDatabase("d")));
+  CHECK(Require(store->GetDatabase("d")).id != stale->id());
 
   b.is_stopped = false;
   Await([&] {

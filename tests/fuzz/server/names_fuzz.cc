@@ -1,4 +1,5 @@
 // Resource names and page tokens: formatting a parsed text returns the same text.
+#include "server/engine/ingest_rules.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
 #include "tests/fuzz/support/properties.h"

@@ -38,13 +38,12 @@ std::vector<absl::Status> ChangesOf(StoreUnderTest& store, std::int64_t id, std:
                                     const storage::AuditRecord& entry) {
   const storage::WriteOptions terms{.audit = &entry, .cancelled = {}, .database_id = id};
   const NewClip walk = SampleClip("d", "walk", 1);
-  storage::AnnotationStore& annotations = store->annotations();
   return {
       store->AddClip(In(id, SampleClip("d", "run", 2))).status(),
       store->ReplaceClip(walk.record, In(id, SampleClip("d", "walk", 3))).status(),
       store->ReplaceMarkerSet("d", SampleDatabase("d").marker_set_text, "new", terms),
-      annotations.Edit("d", NewTitle("second"), "somebody", terms).status(),
-      annotations.UndoEdit("d", edit, "somebody", terms).status(),
+      store->annotations().Edit("d", NewTitle("second"), "somebody", terms).status(),
+      store->annotations().UndoEdit("d", edit, "somebody", terms).status(),
       store->PutOperation(OperationIn(id, "late")),
       store->DeleteClip("d", "walk", terms).status(),
       store->DeleteDatabase("d", terms),
@@ -58,7 +57,8 @@ void TestRecreatedDatabase(StoreUnderTest& store) {
   // Creates the database with a clip and an edit, and returns the edit.
   const auto create = [&] {
     REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
-    REQUIRE_OK(store->AddClip(In(IdOf(store), walk)));
+    const std::int64_t id = IdOf(store);  // may open the store again
+    REQUIRE_OK(store->AddClip(In(id, walk)));
     return Require(store->annotations().Edit("d", NewTitle("first"), "somebody")).id;
   };
   create();
@@ -92,7 +92,8 @@ void TestRecreatedDatabase(StoreUnderTest& store) {
     REQUIRE(Require(store->access().ListAuditRecords(0, 10)).empty());
   }
   SECTION("changes of the new one are made") {
-    for (const absl::Status& changed : ChangesOf(store, IdOf(store), edit, entry)) {
+    const std::int64_t new_id = IdOf(store);
+    for (const absl::Status& changed : ChangesOf(store, new_id, edit, entry)) {
       // The edit that is undone is no longer the last one.
       if (!absl::IsAborted(changed)) REQUIRE_OK(changed);
     }

@@ -43,11 +43,10 @@
 // of its build fails or is cancelled: it has newer clips than the stored model. The next build
 // replaces it.
 //
-// Several servers may share the store (MotionStore::is_shared). Then each of them has a lifecycle
-// of the database:
-// - A build, and an extension, needs the lease of the database (BuildLease). A build that does not
-//   get it, or that cannot reach the store, waits for another second. One that cannot read what a
-//   newer server has stored waits for the next change, or rebuild_retry_delay.
+// Several servers may share the store (MotionStore::is_shared), each with its own lifecycle:
+// - A build, and an extension, needs the lease of the database (BuildLease). A build without it, or
+//   without the store, waits for another second. One that cannot read what a newer server has
+//   stored waits for the next change, or rebuild_retry_delay.
 // - Unfinished operations of other servers wait here too (Follow), a little longer than there: if
 //   their server has stopped, this one runs them.
 // - A request joins a waiting operation only if it is PENDING in the store. Its server, whichever
@@ -378,8 +377,7 @@ class ModelLifecycle {
   Executor::Clock::time_point load_error_time_ ABSL_GUARDED_BY(mutex_);
   RebuildTally rebuilds_ ABSL_GUARDED_BY(mutex_);
   MissedBuild missed_build_ ABSL_GUARDED_BY(mutex_);
-  // More than one only after a restart, and if several servers share the store.
-  std::deque<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
+  std::deque<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);  // several: restarted, or a shared store
   Executor::Clock::time_point not_before_ ABSL_GUARDED_BY(mutex_);  // of the next build
   bool awaits_change_ ABSL_GUARDED_BY(mutex_) = false;  // a change of the database ends not_before_
   std::shared_ptr<Build> running_ ABSL_GUARDED_BY(mutex_);

@@ -52,7 +52,7 @@ void Cluster::Run(Server& server) {
 }
 
 void Cluster::End(Server& server) {
-  // Destroyed outside of the member, so that nobody sees an engine that is being destroyed.
+  // Destroyed outside of the member, so that no fiber sees an engine that is being destroyed.
   const auto tokens = std::move(server.tokens);  // until the engine has ended
   auto engine = std::move(server.engine);
   engine.reset();

@@ -85,7 +85,7 @@ absl::Status PostgresMotionStore::ReplaceContent(Connection& backup,
     }
     MOTIONDB_RETURN_IF_ERROR(CopyAccessRecords(writer, backup));
     MOTIONDB_RETURN_IF_ERROR(DeleteAllRows(writer));
-    RowCopy rows(backup, std::nullopt, RowCopy::Mode::kMove);
+    RowCopy rows(backup, std::nullopt, RowCopy::Mode::kRestore);
     for (bool more = true; more;) {
       if (cancelled && cancelled()) {
         return absl::CancelledError("cancelled while the backup was restored");

@@ -12,6 +12,7 @@ namespace {
 constexpr int kStepRows = 256;  // at most, in one step
 constexpr int kFreeKeys = 64;   // asked for at a time
 constexpr char kInvalidChecksum[] = "-1";
+constexpr std::string_view kDeletedPrefix = "deleted/";  // see MarkDatabaseDeleted
 
 std::vector<CopiedTable> TablesOf(std::optional<std::int64_t> database_key, RowCopy::Mode mode) {
   // A backup makes the texts again, so that a corrupt search index does not prevent it.
@@ -123,7 +124,7 @@ absl::StatusOr<std::int64_t> RowCopy::CopyRow(Connection& target) {
                           table.name);
   }
   std::int64_t key = rows_->Integer(0);
-  if (mode_ == Mode::kImport && columns_.front().is_key) {
+  if (HasNewKeys(table.name) && columns_.front().is_key) {
     MOTIONDB_ASSIGN_OR_RETURN(key, FreeKey(target));
     if (table.is_parent) target_keys_[table.name][rows_->Integer(0)] = key;
   }
@@ -142,17 +143,20 @@ absl::StatusOr<std::int64_t> RowCopy::CopyRow(Connection& target) {
 
 absl::Status RowCopy::BindColumn(const CopiedColumn& column, int index, std::int64_t key,
                                  Statement& insert) {
-  if (mode_ != Mode::kImport) {
-    insert.BindColumn(*rows_, index);
-  } else if (column.is_key) {
+  const std::string_view table = tables_[table_].name;
+  const bool is_of_database = HasNewKeys(table) && table == "database";
+  const auto is_name_of_deleted = [&] {
+    return mode_ == Mode::kImport || rows_->Text(index).starts_with(kDeletedPrefix);
+  };
+  if (column.is_key && HasNewKeys(table)) {
     insert.Bind(key);
-  } else if (!column.refers_to.empty() && !rows_->IsNull(index)) {
+  } else if (!column.refers_to.empty() && HasNewKeys(column.refers_to) && !rows_->IsNull(index)) {
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t referred,
                               TargetKey(column.refers_to, rows_->Integer(index)));
     insert.Bind(referred);
-  } else if (tables_[table_].name == "database" && column.name == "name") {
-    insert.Bind(fmt::format("deleted/{}", key));
-  } else if (tables_[table_].name == "database" && column.name == "deleted") {
+  } else if (is_of_database && column.name == "name" && is_name_of_deleted()) {
+    insert.Bind(fmt::format("{}{}", kDeletedPrefix, key));
+  } else if (is_of_database && column.name == "deleted" && mode_ == Mode::kImport) {
     insert.Bind(1);
   } else {
     insert.BindColumn(*rows_, index);

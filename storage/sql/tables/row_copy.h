@@ -25,6 +25,9 @@ class RowCopy {
     kBackup,
     // Into a store without rows. Rows keep their keys.
     kMove,
+    // Like kMove, but into a store that other servers have open: databases get keys that it never
+    // had, so that no server and no build lease takes one for a deleted database.
+    kRestore,
     // Of one database: its rows get free keys, and it is hidden like a deleted one.
     kImport,
   };
@@ -55,6 +58,10 @@ class RowCopy {
   std::string InsertOf(const std::string& checksum) const;
   // Copies the current row of `rows_`. Returns the bytes of its blobs.
   absl::StatusOr<std::int64_t> CopyRow(Connection& target);
+  // Returns whether the rows of a table get new keys.
+  bool HasNewKeys(std::string_view table) const {
+    return mode_ == Mode::kImport || (mode_ == Mode::kRestore && table == "database");
+  }
   absl::Status BindColumn(const CopiedColumn& column, int index, std::int64_t key,
                           Statement& insert);
   // Returns a free key of the table for a new row.
@@ -72,9 +79,9 @@ class RowCopy {
   std::vector<CopiedColumn> columns_;    // of the table
   std::string insert_;                   // SQL
   std::vector<std::int64_t> after_;      // key of the last row of the table that the target has
-  std::vector<std::int64_t> free_keys_;  // kImport: valid in one transaction; the next is the last
+  std::vector<std::int64_t> free_keys_;  // valid in one transaction; the next is the last
   std::optional<Statement> rows_;        // of the table; none: it is not begun
-  // kImport: key in the target by key in the source, of the tables that others refer to.
+  // Key in the target by key in the source, of the tables with new keys that others refer to.
   std::unordered_map<std::string_view, std::unordered_map<std::int64_t, std::int64_t>> target_keys_;
 };
 

@@ -106,6 +106,49 @@ TEST_CASE("Postgres backup: a restore keeps the tokens and audit entries of the 
   REQUIRE_ERROR(Restore(*target, bytes), StatusCode::kFailedPrecondition, "databases (1)");
 }
 
+TEST_CASE("Postgres backup: a restored database is another one than that with its name before",
+          "[storage][postgres][backup][servers]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr) return;
+  const StoreFile file;
+  const auto source = file.Open();
+  Fill(*source);
+  const PostgresDatabase database(*cluster);
+  const auto target = Open(database);
+  const auto other_server = Open(database);
+  // With the names and keys of those in the backup.
+  REQUIRE_OK(target->CreateDatabase(SampleDatabase("other")));
+  REQUIRE_OK(target->CreateDatabase(SampleDatabase("d")));
+  const std::int64_t former_id = Require(target->GetDatabase("d")).id;
+  REQUIRE(former_id == Require(source->GetDatabase("d")).id);
+  const storage::NewClip clip = SampleClip("d", "walk", 1);
+  REQUIRE_OK(target->AddClip(clip));
+  const auto fence =
+      Require(other_server->AcquireBuildLease("d", "other server", std::chrono::hours(1)));
+  REQUIRE_OK(target->DeleteDatabase("other"));
+  REQUIRE_OK(target->DeleteDatabase("d"));
+
+  REQUIRE_OK(Restore(*target, Backup(*source)));
+  REQUIRE(Dump(*target) == Dump(*source));
+  const std::int64_t id = Require(target->GetDatabase("d")).id;
+  REQUIRE(id > former_id);
+  REQUIRE(Require(other_server->ListDatabaseStates()).at(0).id == id);
+  // Calls that have begun with the former database change nothing.
+  REQUIRE_ERROR(other_server->RenewBuildLease("d", fence, std::chrono::hours(1)),
+                StatusCode::kAborted, "lease");
+  REQUIRE_ERROR(other_server->PutDerived("d", {}, fence), StatusCode::kAborted, "lease");
+  REQUIRE_ERROR(other_server->DeleteClip("d", "walk", {.database_id = former_id}),
+                StatusCode::kAborted, "another one has its name");
+  // Names of deleted databases contain their keys.
+  REQUIRE_OK(target->DeleteDatabase("d"));
+  for (int i = 0; i < 3; ++i) {
+    REQUIRE_OK(target->CreateDatabase(SampleDatabase("d")));
+    REQUIRE_OK(target->DeleteDatabase("d"));
+  }
+  REQUIRE_OK(target->PurgeDeletedDatabases({}));
+  REQUIRE(Findings(*target).empty());
+}
+
 TEST_CASE("Postgres backup: is consistent while clips are added and deleted",
           "[storage][postgres][backup][concurrency]") {
   PostgresCluster* const cluster = PostgresCluster::Find();

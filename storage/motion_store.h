@@ -127,9 +127,11 @@ class MotionStore {
   // replace the stored ones. The current model does not change: the old states stay on disk like
   // those of a deleted clip. Returns the records as stored. Skips clips that were deleted or
   // replaced since they were listed. Annotations and segments stay, as in ReplaceClip.
-  // INVALID_ARGUMENT if a record's frame_count differs from the number of its states.
-  virtual absl::StatusOr<std::vector<ClipRecord>> PutDerived(
-      const std::string& database, std::span<const DerivedClip> clips) = 0;
+  // INVALID_ARGUMENT if a record's frame_count differs from the number of its states. ABORTED if
+  // `fence` is outdated: see ModelTerms::fence.
+  virtual absl::StatusOr<std::vector<ClipRecord>> PutDerived(const std::string& database,
+                                                             std::span<const DerivedClip> clips,
+                                                             std::int64_t fence = 0) = 0;
 
   // Skeletons, listed in order of id. Identical skeletons are stored once. The list skips corrupt
   // ones.

@@ -190,13 +190,15 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
     services_.operations.Advance(build.operation, kDeriveShare * fraction, stage);
     return !build.stopped();
   };
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const Reprocessed done,
-      Reprocess(services_.store, database_, services_.executor.Parallel(Pool::kBuilds),
-                asked_time_us, progress, [&build] { return build.stopped(); }));
+  const auto done = Reprocess(
+      services_.store, database_, services_.executor.Parallel(Pool::kBuilds),
+      TermsOf(build.lease).fence, asked_time_us, progress, [&build] { return build.stopped(); });
+  // Another server may have the lease: then it continues, and this build must know that.
+  if (absl::IsAborted(done.status()) && build.lease != nullptr) build.lease->Renew();
+  if (!done.ok()) return done.status();
   build.derived = kDeriveShare;
-  return fmt::format("clips derived again: {}, changed: {}, failed: {}", done.clips, done.changed,
-                     done.failed);
+  return fmt::format("clips derived again: {}, changed: {}, failed: {}", done->clips, done->changed,
+                     done->failed);
 }
 
 absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(Build& build) {

@@ -65,11 +65,12 @@ std::size_t CountTogether(std::span<const ClipRecord> clips) {
 class Reprocessor {
  public:
   Reprocessor(storage::MotionStore& store, LiveDatabase& database, const core::MarkerScheme& scheme,
-              const core::ParallelFor& parallel, const core::Cancelled& stopped)
+              const core::ParallelFor& parallel, std::int64_t fence, const core::Cancelled& stopped)
       : store_(store),
         database_(database),
         scheme_(scheme),
         parallel_(parallel),
+        fence_(fence),
         stopped_(stopped) {}
 
   const Reprocessed& done() const { return done_; }
@@ -170,7 +171,8 @@ class Reprocessor {
   // `listed`: contains the former records of `clips`.
   absl::Status Store(std::span<const ClipRecord> listed, std::span<const DerivedClip> clips) {
     return database_.WithSharedUse(DeletionPolicy::kAwait, [&]() -> absl::Status {
-      MOTIONDB_ASSIGN_OR_RETURN(const auto stored, store_.PutDerived(database_.name(), clips));
+      MOTIONDB_ASSIGN_OR_RETURN(const auto stored,
+                                store_.PutDerived(database_.name(), clips, fence_));
       for (const ClipRecord& clip : stored) {
         const auto former = std::ranges::find(listed, clip.id, &ClipRecord::id);
         const auto derived = std::ranges::find(
@@ -201,6 +203,7 @@ class Reprocessor {
   LiveDatabase& database_;
   const core::MarkerScheme& scheme_;
   const core::ParallelFor& parallel_;
+  const std::int64_t fence_;
   const core::Cancelled& stopped_;
   Reprocessed done_;
 };
@@ -208,7 +211,8 @@ class Reprocessor {
 }  // namespace
 
 absl::StatusOr<Reprocessed> Reprocess(storage::MotionStore& store, LiveDatabase& database,
-                                      const core::ParallelFor& parallel, std::int64_t asked_time_us,
+                                      const core::ParallelFor& parallel, std::int64_t fence,
+                                      std::int64_t asked_time_us,
                                       const core::BuildProgress& progress,
                                       const core::Cancelled& stopped) {
   MOTIONDB_ASSIGN_OR_RETURN(auto clips, AllClips(store, database.name()));
@@ -221,7 +225,7 @@ absl::StatusOr<Reprocessed> Reprocess(storage::MotionStore& store, LiveDatabase&
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   if (scheme == nullptr) return UnknownMarkers(store, database.name());
   spdlog::info("database '{}': deriving {} clips again", database.name(), clips.size());
-  Reprocessor reprocessor(store, database, *scheme, parallel, stopped);
+  Reprocessor reprocessor(store, database, *scheme, parallel, fence, stopped);
   for (std::size_t first = 0; first < clips.size();) {
     const double share = static_cast<double>(first) / static_cast<double>(clips.size());
     if (!progress(share, fmt::format("deriving clips again, {} of {}", first, clips.size()))) {

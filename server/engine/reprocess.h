@@ -30,11 +30,13 @@ struct Reprocessed {
 // (LiveDatabase::SetDeriveError). States of another version are in no new model. They are tried
 // again on request, or by the next version.
 //
+// `fence`: of the build lease; 0: the store is not shared. ABORTED if another server has the lease.
 // Calls `progress` before each group of clips and polls `stopped` often: CANCELLED. NOT_FOUND (the
 // database was deleted), NewerFormat, and the codes of the store. REQUIRES: called from a build of
 // ModelLifecycle, which runs one at a time and never during a purge.
 absl::StatusOr<Reprocessed> Reprocess(storage::MotionStore& store, LiveDatabase& database,
-                                      const core::ParallelFor& parallel, std::int64_t asked_time_us,
+                                      const core::ParallelFor& parallel, std::int64_t fence,
+                                      std::int64_t asked_time_us,
                                       const core::BuildProgress& progress,
                                       const core::Cancelled& stopped);
 

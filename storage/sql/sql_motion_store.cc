@@ -142,13 +142,13 @@ absl::StatusOr<core::StateSequence> SqlMotionStore::ReadClipStates(const std::st
 }
 
 absl::StatusOr<std::vector<ClipRecord>> SqlMotionStore::PutDerived(
-    const std::string& database, std::span<const DerivedClip> clips) {
+    const std::string& database, std::span<const DerivedClip> clips, std::int64_t fence) {
   std::int64_t added = 0;
   for (const DerivedClip& clip : clips) added += AddedBytes(clip);
   return Write(
       Priority::kBackground,
-      [&](Connection& connection) { return PutDerivedClips(connection, database, clips); }, {},
-      Added(added));
+      [&](Connection& connection) { return PutDerivedClips(connection, database, clips, fence); },
+      {}, Added(added));
 }
 
 absl::StatusOr<core::Skeleton> SqlMotionStore::GetSkeleton(const std::string& database,

@@ -56,7 +56,8 @@ class SqlMotionStore : public MotionStore,
                                                      const std::string& clip) override;
 
   absl::StatusOr<std::vector<ClipRecord>> PutDerived(const std::string& database,
-                                                     std::span<const DerivedClip> clips) override;
+                                                     std::span<const DerivedClip> clips,
+                                                     std::int64_t fence = 0) override;
 
   absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                              const std::string& skeleton) override;

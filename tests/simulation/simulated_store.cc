@@ -233,9 +233,9 @@ absl::StatusOr<storage::ClipRecord> SimulatedStore::DeleteClip(const std::string
 }
 
 absl::StatusOr<std::vector<storage::ClipRecord>> SimulatedStore::PutDerived(
-    const std::string& database, std::span<const storage::DerivedClip> clips) {
+    const std::string& database, std::span<const storage::DerivedClip> clips, std::int64_t fence) {
   const CallScope scope({"PutDerived", database});
-  return SqlMotionStore::PutDerived(database, clips);
+  return SqlMotionStore::PutDerived(database, clips, fence);
 }
 
 absl::StatusOr<storage::EditRecord> SimulatedStore::Edit(const std::string& database,

@@ -81,7 +81,8 @@ class SimulatedStore final : public storage::SqlMotionStore {
                                                  const std::string& clip,
                                                  const storage::WriteOptions& terms = {}) override;
   absl::StatusOr<std::vector<storage::ClipRecord>> PutDerived(
-      const std::string& database, std::span<const storage::DerivedClip> clips) override;
+      const std::string& database, std::span<const storage::DerivedClip> clips,
+      std::int64_t fence = 0) override;
   absl::StatusOr<storage::EditRecord> Edit(const std::string& database,
                                            std::span<const storage::Change> changes,
                                            const std::string& author,

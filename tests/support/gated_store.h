@@ -209,10 +209,11 @@ class GatedStore : public storage::MotionStore {
     return store_->ReadClipStates(database, clip);
   }
   absl::StatusOr<std::vector<storage::ClipRecord>> PutDerived(
-      const std::string& database, std::span<const storage::DerivedClip> clips) override {
+      const std::string& database, std::span<const storage::DerivedClip> clips,
+      std::int64_t fence = 0) override {
     derive_gate_->Pass();
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->PutDerived(database, clips);
+    return store_->PutDerived(database, clips, fence);
   }
   absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                              const std::string& skeleton) override {

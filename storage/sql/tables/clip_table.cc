@@ -7,6 +7,7 @@
 #include "storage/blob/checksums.h"
 #include "storage/blob/clip_codec.h"
 #include "storage/clip_segments.h"
+#include "storage/sql/tables/build_lease_table.h"
 #include "storage/sql/tables/change_feed.h"
 #include "storage/sql/tables/clip_bytes.h"
 #include "storage/sql/tables/clip_text.h"
@@ -230,8 +231,10 @@ absl::StatusOr<ClipRecord> ReplaceClip(Connection& connection, const ClipRecord&
 
 absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
                                                         const std::string& database,
-                                                        std::span<const DerivedClip> clips) {
+                                                        std::span<const DerivedClip> clips,
+                                                        std::int64_t fence) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  MOTIONDB_RETURN_IF_ERROR(CheckFence(connection, database_key, fence));
   std::vector<ClipRecord> stored;
   ChangeStamp stamp;
   for (const DerivedClip& clip : clips) {

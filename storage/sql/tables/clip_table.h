@@ -23,7 +23,8 @@ absl::StatusOr<ClipRecord> SelectSameClip(Connection& connection, const NewClip&
 // See MotionStore::PutDerived.
 absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
                                                         const std::string& database,
-                                                        std::span<const DerivedClip> clips);
+                                                        std::span<const DerivedClip> clips,
+                                                        std::int64_t fence);
 absl::StatusOr<ClipSource> SelectClipSource(Connection& connection, const std::string& database,
                                             const std::string& clip);
 absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,

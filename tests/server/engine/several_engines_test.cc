@@ -348,12 +348,24 @@ TEST_CASE("Engines on one store: space is freed after an outage", "[server][serv
   Await([&] { return a.purge_count == 2; });
 }
 
+// Returns the fencing number of a lease that no server has.
+std::int64_t AcquireLease(storage::MotionStore& store) {
+  absl::StatusOr<std::int64_t> fence;
+  Await([&] {
+    fence = store.AcquireBuildLease("d", "another", std::chrono::hours(1));
+    return fence.ok();
+  });
+  return *fence;
+}
+
 // Changes a stored clip as a server of another version, or with another clock, would.
 template <typename Change>
 void ChangeClip(storage::MotionStore& store, const std::string& id, const Change& change) {
+  const std::int64_t fence = AcquireLease(store);
   storage::DerivedClip derived{.record = Require(store.GetClip("d", id)), .states = std::nullopt};
   change(derived.record);
-  REQUIRE(Require(store.PutDerived("d", std::span(&derived, 1))).size() == 1);
+  REQUIRE(Require(store.PutDerived("d", std::span(&derived, 1), fence)).size() == 1);
+  REQUIRE_OK(store.ReleaseBuildLease("d", fence));
 }
 
 TEST_CASE("Engines on one store: a server does not build clips of a newer version",

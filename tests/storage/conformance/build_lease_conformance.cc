@@ -82,12 +82,18 @@ void TestBuildLeases(StoreUnderTest& store) {
     REQUIRE_OK(store->RenewBuildLease("d", first, kExpired));
     const std::int64_t second = Require(store->AcquireBuildLease("d", "b", kLong));
     const core::Model extended = ExtendedBy(model, run);
+    std::vector<storage::DerivedClip> derived{{Require(store->GetClip("d", "walk")), run.states}};
+    derived[0].record.frame_count = run.states.frame_count();
     for (const std::int64_t fence : {first, std::int64_t{0}}) {
       CHECK(store->PutModel("d", model, {1, fence}).status().code() == StatusCode::kAborted);
       CHECK(store->PutExtension("d", extended, 0, {1, fence}).status().code() ==
             StatusCode::kAborted);
       CHECK(store->DropModel("d", {1, fence}).code() == StatusCode::kAborted);
+      CHECK(store->PutDerived("d", derived, fence).status().code() == StatusCode::kAborted);
     }
+    REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), walk.states));
+    REQUIRE(Require(store->PutDerived("d", derived, second)).size() == 1);
+    REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), run.states));
     REQUIRE(CurrentVersion(store) == 1);
     REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), model));
     REQUIRE(Require(store->PutExtension("d", extended, 0, {1, second})).version == 2);

@@ -267,9 +267,10 @@ absl::StatusOr<core::StateSequence> InMemoryMotionStore::ReadClipStates(const st
 }
 
 absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::PutDerived(
-    const std::string& database, std::span<const storage::DerivedClip> clips) {
+    const std::string& database, std::span<const storage::DerivedClip> clips, std::int64_t fence) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  MOTIONDB_RETURN_IF_ERROR(CheckTerms(*in, {std::nullopt, fence}));
   for (const storage::DerivedClip& clip : clips) {
     if (clip.states && clip.record.frame_count != clip.states->frame_count()) {
       return core::InvalidArgument("clip '{}': wrong frame_count", clip.record.id);

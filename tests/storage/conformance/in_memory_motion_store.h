@@ -88,7 +88,8 @@ class InMemoryMotionStore final : public storage::MotionStore, public storage::A
                                                      const std::string& clip) override;
 
   absl::StatusOr<std::vector<storage::ClipRecord>> PutDerived(
-      const std::string& database, std::span<const storage::DerivedClip> clips) override;
+      const std::string& database, std::span<const storage::DerivedClip> clips,
+      std::int64_t fence = 0) override;
 
   absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                              const std::string& skeleton) override;

@@ -33,7 +33,10 @@ std::string Code(const absl::Status& status) { return absl::StatusCodeToString(s
 }  // namespace
 
 Clients::Clients(Cluster& cluster, History& history) : cluster_(cluster), history_(history) {
-  history_.set_on_model([this](const DatabaseLife& life) { AskAtNextLook(life); });
+  history_.set_on_model([this](const DatabaseLife& life) {
+    AskAtNextLook(life);
+    if (max_model_delay_ > Duration()) AskAfterDelay(life);
+  });
 }
 
 template <typename Result>

@@ -25,6 +25,8 @@ class Clients {
   void Start(int client);
   void Stop() { is_stopping_ = true; }
   bool all_have_ended() const { return running_ == 0; }
+  // From now on, the answers of all servers must have each model this long after it was stored.
+  void set_max_model_delay(Duration delay) { max_model_delay_ = delay; }
   // Adds one more clip to a database, in a task. Tries until it is acknowledged.
   void AddLastClip(const std::string& database);
   // Asks a server for the model of a database with all clips, in a task. Fails if it does not come
@@ -78,6 +80,8 @@ class Clients {
   absl::Status AskForModel(const std::string& database);
   // Asks all servers for a model when they look at the store next, in tasks.
   void AskAtNextLook(const DatabaseLife& life);
+  // Asks all servers for the newest model after max_model_delay_, in tasks.
+  void AskAfterDelay(const DatabaseLife& life);
   absl::Status Cancel();
   absl::Status GetOperation();
   absl::Status WaitForOperation();
@@ -94,6 +98,7 @@ class Clients {
   Cluster& cluster_;
   History& history_;
   bool is_stopping_ = false;
+  Duration max_model_delay_{};  // 0: none
   int running_ = 0;
   int label_count_ = 0;
   std::map<std::string, KnownOperation> operations_;

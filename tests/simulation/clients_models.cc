@@ -30,6 +30,24 @@ void Clients::AskAtNextLook(const DatabaseLife& life) {
   }
 }
 
+void Clients::AskAfterDelay(const DatabaseLife& life) {
+  const int version = life.models.rbegin()->first;
+  for (int server = 0; server < cluster_.size(); ++server) {
+    ++running_;
+    const auto ask = [this, server, version, database = life.name] {
+      const auto call = std::make_shared<ModelCall>(cluster_, history_, server, database);
+      const auto served = call->Send(0, Time::max());
+      if (!served.ok() || served->snapshot->record.version < version) {
+        World::Current().Fail(
+            fmt::format("server {} has no answer with model {} of {} in time: {}", server, version,
+                        database, served.ok() ? "it is older" : served.status().ToString()));
+      }
+      --running_;
+    };
+    World::Current().Start(nullptr, ask, max_model_delay_);
+  }
+}
+
 void Clients::AskForLastModel(int server, const DatabaseLife& life) {
   ++running_;
   const auto ask = [this, server, &life] {

@@ -21,6 +21,9 @@ constexpr seconds kAccidentTime{20};
 constexpr seconds kRecoveryTime{20};
 // Until the content of a deleted database is freed, by the server that deleted it or another one.
 constexpr seconds kMaxPurgeDelay{660};
+// From the storing of a model until it is part of all answers, with its notification and without.
+constexpr milliseconds kMaxNoticeDelay{1000};
+constexpr milliseconds kMaxLookDelay{2500};
 
 class Simulation {
  public:
@@ -46,6 +49,8 @@ class Simulation {
     world_.RunUntil(world_.now() + kRecoveryTime);
     if (!clients.all_have_ended()) world_.Fail("a client does not end");
     CheckRecovered(cluster, /*is_complete=*/false);
+    world_.hazards.lost_notice = world_.Chance(0.5) ? 1 : 0;
+    clients.set_max_model_delay(world_.hazards.lost_notice > 0 ? kMaxLookDelay : kMaxNoticeDelay);
     for (const auto& [id, life] : history_.lives()) {
       if (!life.is_deleted) clients.AddLastClip(life.name);
     }

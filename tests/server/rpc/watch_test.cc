@@ -193,6 +193,30 @@ TEST_CASE("A query with a minimum revision waits for its model", "[server][rpc]"
   CHECK(ViolatedFields(future.status) == "min_revision");
 }
 
+TEST_CASE("A query waits for a minimum revision until its deadline", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto queries = server.NewStub<v1::QueryService>();
+  auto request = RequestFor<v1::RecognizeRequest>("db");
+  request.set_whole(true);
+  server.gate().Close();
+  server.IngestFigure("db", "more", "stroll", {.frame_count = 60, .phase = 2});
+  server.gate().AwaitArrival();  // the update of the model reads the clip
+  const auto revision = SetTitle(server, "walk", "after the clip").revision();
+  request.set_min_revision(revision);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(300));
+  v1::RecognizeResponse response;
+  CHECK(queries->Recognize(&context, request, &response).error_code() ==
+        grpc::StatusCode::DEADLINE_EXCEEDED);
+  // The deadline ends the wait, and nothing else.
+  server.gate().Open();
+  const auto answer = Ask(*queries, &v1::QueryService::Stub::Recognize, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  CHECK(answer.response.revision() >= revision);
+}
+
 TEST_CASE("Relabelling refits the model and keeps its tree", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");

@@ -3,13 +3,18 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cstdint>
 #include <set>
 #include <thread>
 
+#include "core/motion/error.h"
 #include "storage/postgres/postgres_connection.h"
 #include "storage/postgres/postgres_motion_store.h"
 #include "storage/sql/connection/transaction.h"
+#include "storage/sql/tables/build_lease_table.h"
+#include "storage/sql/tables/clip_table.h"
 #include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/operation_table.h"
 #include "tests/storage/conformance/motion_store_conformance.h"
 #include "tests/storage/postgres/postgres_cluster.h"
 #include "tests/storage/require_ok.h"
@@ -126,31 +131,54 @@ TEST_CASE("PostgresMotionStore: refuses a newer store and a database that it can
   }
 }
 
-TEST_CASE("PostgresMotionStore: upgrades a store of version 1 while an old server runs",
+TEST_CASE("PostgresMotionStore: upgrades an older store while an old server runs",
           "[storage][postgres]") {
   PostgresCluster* const cluster = PostgresCluster::Find();
   if (cluster == nullptr) return;
+  const int old_version = GENERATE(1, 2, 3);
   const PostgresDatabase database(*cluster);
   auto connector = std::make_shared<storage::PostgresConnector>(
       Require(storage::ParsePostgresUrl(database.Url())));
   const auto old_server = Require(storage::PostgresConnection::Open(connector));
-  REQUIRE(Require(storage::MigratePostgres(*old_server, 1)).now == 1);
+  REQUIRE(Require(storage::MigratePostgres(*old_server, old_version)).now == old_version);
+  const auto write = [&](const auto& work) {
+    return storage::InTransaction(*old_server, storage::Transaction::Kind::kWrite, work);
+  };
   const auto add = [&](const char* name) {
-    return storage::InTransaction(
-        *old_server, storage::Transaction::Kind::kWrite, [&](storage::Connection& connection) {
-          return storage::InsertDatabase(connection, SampleDatabase(name));
-        });
+    return write([&](storage::Connection& connection) -> absl::Status {
+      MOTIONDB_RETURN_IF_ERROR(storage::InsertDatabase(connection, SampleDatabase(name)));
+      return storage::InsertClip(connection, SampleClip(name, "walk", 1)).status();
+    });
   };
   REQUIRE_OK(add("before"));
   const auto store = Require(storage::PostgresMotionStore::Open(database.Url()));
-  REQUIRE(store->versions().before == 1);
+  REQUIRE(store->versions().before == old_version);
   REQUIRE(store->versions().now == 4);
   REQUIRE_OK(add("after"));
+  REQUIRE_OK(write([&](storage::Connection& connection) {
+    return storage::UpsertOperation(connection, SampleOperation("after", "of-the-old-server"));
+  }));
+  REQUIRE_OK(write([&](storage::Connection& connection) {
+    return storage::RemoveClip(connection, "before", "walk", storage::FreePolicy::kFree).status();
+  }));
   REQUIRE(Require(store->ListDatabases({})).size() == 2);
+  REQUIRE_OK(store->GetOperation("of-the-old-server"));
+  REQUIRE(Same(Require(store->ReadClipStates("after", "walk")), SampleClip("d", "walk", 1).states));
+  REQUIRE(Require(store->ListClips("before", {})).empty());
+  if (old_version >= 2) {
+    // The lease of either is one for both.
+    REQUIRE_OK(write([&](storage::Connection& connection) -> absl::Status {
+      MOTIONDB_ASSIGN_OR_RETURN(const auto key, storage::FindDatabase(connection, "after"));
+      return storage::AcquireLease(connection, key, "old server", 1, INT64_MAX).status();
+    }));
+    REQUIRE_ERROR(store->AcquireBuildLease("after", "new server", std::chrono::seconds(1)),
+                  StatusCode::kAborted, "'old server'");
+  }
   REQUIRE(Findings(*store) == "");
   // It cannot start again.
-  REQUIRE_ERROR(storage::MigratePostgres(*old_server, 1), StatusCode::kFailedPrecondition,
-                "version 4, from a newer motiondb; this one supports versions up to 1");
+  REQUIRE_ERROR(storage::MigratePostgres(*old_server, old_version), StatusCode::kFailedPrecondition,
+                "version 4, from a newer motiondb; this one supports versions up to " +
+                    std::to_string(old_version));
 }
 
 TEST_CASE("PostgresMotionStore: read-only refuses changes", "[storage][postgres]") {

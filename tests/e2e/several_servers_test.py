@@ -274,11 +274,13 @@ class SeveralServers(unittest.TestCase):
     def test_streams_are_found_with_certificates_of_another_name(self):
         authority = secure_server.Authority(self.folder.name, "authority")
         certificate, key = authority.issue("server", "motiondb", "DNS:motiondb")
-        for name, value in {"CA": authority.certificate, "SERVER_NAME": "motiondb"}.items():
+        for name, value in {"CA": authority.certificate, "SERVER_NAME": "motiondb",
+                            "CERTIFICATE": certificate, "KEY": key}.items():
             os.environ["MOTIONDB_TLS_" + name] = value
             self.addCleanup(os.environ.pop, "MOTIONDB_TLS_" + name)
+        # Clients, and servers as clients of others, need a certificate.
         tls = ("--tls-certificate", certificate, "--tls-key", key, "--tls-peer-ca",
-               authority.certificate)
+               authority.certificate, "--tls-client-ca", authority.certificate)
         a, b = self.serve(2, *tls, "--tls-peer-name", "motiondb")
         a.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
         a.ask("ingest", "d", *(self.clip(seed) for seed in range(3)), "--label", "moves")

@@ -84,8 +84,8 @@ grpc::Status ReadFields(const HttpRequest& head, ConnectRequest& request) {
   if (request.method->client_streaming()) {
     return Fault(
         absl::StatusCode::kUnimplemented,
-        "{} streams requests, which HTTP/1.1 clients of Connect cannot do: use gRPC at the "
-        "address of --listen",
+        "{} streams requests, which this port does not support: use gRPC at the address of "
+        "--listen",
         request.method->full_name());
   }
   const std::string_view version = head.Find("connect-protocol-version");

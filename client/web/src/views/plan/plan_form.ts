@@ -73,10 +73,10 @@ export class PlanForm {
     return this.robot.files?.[0];
   }
 
-  // Shows a goal that was placed on the floor.
+  // Shows a goal that was placed on the floor, with the digits of the URL.
   showGoal({ x, y, heading }: FloorPosition): void {
-    this.x.value = x.toFixed(2);
-    this.y.value = y.toFixed(2);
+    this.x.value = String(x);
+    this.y.value = String(y);
     this.heading.value = degrees(heading);
   }
 
@@ -103,6 +103,7 @@ export class PlanForm {
   }
 }
 
+// Fine enough for the 0.001 rad of the URL.
 function degrees(angle: number): string {
-  return ((angle * 180) / Math.PI).toFixed(0);
+  return String(Number(((angle * 180) / Math.PI).toFixed(2)));
 }

@@ -35,6 +35,18 @@ export function planSettingsOf(query: URLSearchParams): PlanSettings {
   };
 }
 
+// The settings with lengths and angles as the URL has them, so that a shared address plans the same.
+export function roundedAsInUrl(settings: PlanSettings): PlanSettings {
+  const rounded = (pose: FloorPosition) => poseOf(poseTextOf(pose)) ?? pose;
+  const { start, goal, obstacles } = settings;
+  return {
+    ...settings,
+    start: rounded(start),
+    goal: rounded(goal),
+    obstacles: obstaclesOf(obstaclesText(obstacles)),
+  };
+}
+
 export function queryOfPlan(settings: PlanSettings): Record<string, string | number | null> {
   const startText = poseTextOf(settings.start);
   return {

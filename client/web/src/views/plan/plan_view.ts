@@ -16,7 +16,7 @@ import { FloorEditor } from './floor_editor';
 import { PlanForm } from './plan_form';
 import { planRequest, type Robot } from './plan_request';
 import { motionsOf, PlanResults } from './plan_results';
-import { planSettingsOf, queryOfPlan, type PlanSettings } from './plan_settings';
+import { planSettingsOf, queryOfPlan, roundedAsInUrl, type PlanSettings } from './plan_settings';
 import { rootPath, stageMotion } from './planned_motion';
 
 const kDownloads: readonly (readonly [string, FileFormat])[] = [
@@ -74,7 +74,7 @@ class PlanPage implements View {
     this.floor = new FloorEditor({ start, goal }, obstacles, {
       setPose: (tool, pose) => {
         this.change({ [tool]: pose });
-        if (tool === 'goal') this.form.showGoal(pose);
+        if (tool === 'goal') this.form.showGoal(this.settings.goal);
       },
       setObstacles: (changed) => {
         this.change({ obstacles: changed });
@@ -150,7 +150,7 @@ class PlanPage implements View {
   }
 
   private change(changes: Partial<PlanSettings>): void {
-    this.settings = { ...this.settings, ...changes };
+    this.settings = roundedAsInUrl({ ...this.settings, ...changes });
     this.context.setQuery(queryOfPlan(this.settings));
   }
 

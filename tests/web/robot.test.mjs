@@ -4,6 +4,7 @@ import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { gzipSync } from 'node:zlib';
+import { bipedUrdf, kChest } from './support/biped.mjs';
 import { newPage, shown } from './support/browser.mjs';
 import { colorsAt } from './support/pixels.mjs';
 import { project } from './support/projection.mjs';
@@ -11,36 +12,10 @@ import { motiondb } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 import { stream } from './support/stream.mjs';
 
-const kChest = { size: [0.5, 0.3, 0.6], centre: [0.1, 0, 0.4] }; // m, in the frame of the pelvis
 const kYaw = Math.PI / 6; // of the pelvis
 const kPelvis = [0.2, -0.1, 0.8];
-const kRed = '<material name="red"><color rgba="0.9 0 0 1"/></material>';
-
-function leg(side, y) {
-  const link = (name, visual = '') => `<link name="${side}_${name}">${visual}</link>`;
-  const joint = (name, parent, child, origin) =>
-    `<joint name="${side}_${name}" type="revolute"><parent link="${parent}"/>` +
-    `<child link="${side}_${child}"/><origin xyz="${origin}"/><axis xyz="0 1 0"/>` +
-    '<limit lower="-2.5" upper="2.5"/></joint>';
-  const shin =
-    '<visual><origin xyz="0 0 -0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry></visual>';
-  const ball = '<visual><geometry><sphere radius="0.06"/></geometry></visual>';
-  return (
-    link('thigh') +
-    link('shin', shin) +
-    link('foot', ball) +
-    joint('hip', 'pelvis', 'thigh', `0 ${y} 0`) +
-    joint('knee', `${side}_thigh`, 'shin', '0 0 -0.4') +
-    joint('ankle', `${side}_shin`, 'foot', '0 0 -0.4')
-  );
-}
 
 async function storeRobot() {
-  const { size, centre } = kChest;
-  const urdf =
-    '<robot name="biped"><link name="pelvis"><visual>' +
-    `<origin xyz="${centre.join(' ')}"/><geometry><box size="${size.join(' ')}"/></geometry>` +
-    `<material name="red"/></visual></link>${kRed}${leg('l', 0.1)}${leg('r', -0.1)}</robot>`;
   const heading = [0, 0, Math.sin(kYaw / 2), Math.cos(kYaw / 2)];
   const angles = ['l_hip', 'l_knee', 'l_ankle', 'r_hip', 'r_knee', 'r_ankle'];
   const head = ['time_s', 'root_x_m', 'root_y_m', 'root_z_m', 'root_qx', 'root_qy', 'root_qz', 'root_qw'];
@@ -50,7 +25,7 @@ async function storeRobot() {
   );
   const files = ['stand.csv', 'biped.urdf.gz'].map((name) => join(setup.folder, name));
   await writeFile(files[0], [[...head, ...angles], ...rows].map((row) => row.join(',')).join('\n') + '\n');
-  await writeFile(files[1], gzipSync(urdf));
+  await writeFile(files[1], gzipSync(bipedUrdf({ arms: false })));
   await motiondb('create', 'robots', '--marker-set', 'source');
   await motiondb('ingest', 'robots', files[0], '--skeleton', files[1], '--label', 'stand');
 }

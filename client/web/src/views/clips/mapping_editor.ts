@@ -18,6 +18,7 @@ export class MappingEditor {
   private readonly notice = new Notice();
   private readonly abort = new AbortController();
   private readonly inputs: { marker: string; input: HTMLInputElement }[] = [];
+  private mappings: readonly Mapping[] = [];
   private scene: Scene | undefined;
   private parts: { dispose(): void }[] = [];
   private figure: FigureObject | undefined;
@@ -92,6 +93,7 @@ export class MappingEditor {
         { signal: this.abort.signal },
       );
       if (!markerSet) return;
+      this.mappings = markerSet.mappings;
       const mapping = markerSet.mappings.find(
         (each: Mapping) => each.name === this.checked.mapping,
       );
@@ -147,7 +149,12 @@ export class MappingEditor {
       await this.context.api.markerSets.addMappings(
         {
           database: databaseName(this.database),
-          mappingFile: mappingFile(mappingNameOf(this.fileName), rules, this.checked.points),
+          mappingFile: mappingFile(
+            mappingNameOf(this.fileName),
+            rules,
+            this.checked.points,
+            this.mappings,
+          ),
         },
         { signal: this.abort.signal },
       );

@@ -26,10 +26,18 @@ test('writes a mapping with the points of its rules as signature', () => {
     { marker: 'LHip', rule: ' 0.5 pelvis + 0.5 "l thigh" ' },
     { marker: 'Head', rule: '' },
   ];
-  expect(mappingFile('page-walk', rules, points)).toBe(
-    'motiondb-marker-set 1\nmapping "page-walk"\nsignature pelvis "l thigh"\n' +
-      'LHip = 0.5 pelvis + 0.5 "l thigh"\n',
-  );
+  const mapping = 'LHip = 0.5 pelvis + 0.5 "l thigh"\n';
+  const file = 'motiondb-marker-set 1\nmapping "page-walk"\nsignature pelvis "l thigh"\n';
+  expect(mappingFile('page-walk', rules, points, [])).toBe(file + mapping);
+  // The signature of no other mapping that fits is longer.
+  const others = [
+    create(MappingSchema, { name: 'robot', signature: ['pelvis', 'tail'] }),
+    create(MappingSchema, { name: 'other', signature: ['pelvis', 'wing'] }),
+  ];
+  const longer = file.replace('"l thigh"', '"l thigh" tail');
+  expect(mappingFile('page-walk', rules, points, others)).toBe(longer + mapping);
+  const own = others.map((each) => ({ ...each, name: 'page-walk' }));
+  expect(mappingFile('page-walk', rules, points, own)).toBe(file + mapping);
 });
 
 test('equal weights sum to 1', () => {

@@ -34,15 +34,23 @@ export function rulesOf(
   });
 }
 
-// A file with one mapping. Its signature are all points of the motion that the rules name.
+// A file with one mapping. Its signature are all points of the motion that the rules name, and those
+// of the other `mappings` that fit: the server uses the mapping with the longest signature, of equally
+// long ones the one that was added last.
 export function mappingFile(
   name: string,
   rules: readonly MarkerRule[],
   points: readonly SourcePoint[],
+  mappings: readonly Mapping[],
 ): string {
-  const used = points.filter((point) =>
-    rules.some(({ rule }) => pointsOf(rule).includes(point.name)),
-  );
+  const names = new Set(points.map((point) => point.name));
+  const markers = rules.map(({ marker }) => marker);
+  const signatures = [
+    ...mappings.filter((other) => other.name !== name).map(({ signature }) => signature),
+    markers, // a motion with the markers of the set needs no mapping
+  ].filter((signature) => signature.every((point) => names.has(point)));
+  const signed = new Set([...rules.flatMap(({ rule }) => pointsOf(rule)), ...signatures.flat()]);
+  const used = points.filter((point) => signed.has(point.name));
   return [
     'motiondb-marker-set 1',
     `mapping ${quoteName(name)}`,

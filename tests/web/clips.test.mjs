@@ -3,9 +3,10 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { checkAccessibility, newPage, shown } from './support/browser.mjs';
 import { bvhOf, readBvh } from './support/bvh.mjs';
+import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
-import { motionOf } from './support/stream.mjs';
+import { floatsOf, motionOf, stream } from './support/stream.mjs';
 
 const filterInput = '.filter input >> nth=0';
 
@@ -131,16 +132,72 @@ test('headings sort, and the search finds words', async (t) => {
   await page.waitForFunction(() => document.querySelectorAll('table.clips tbody tr').length === 1);
 });
 
-test('an uploaded file shows its mapping, which can be changed, and is stored', async (t) => {
-  const page = await openClips(t);
+// The points of a file as the server reads it, with the markers that are computed from each.
+async function inspect(parent, fileName, buffer) {
+  const header = { parent, fileName, validateOnly: true };
+  const request = { header, file: buffer.toString('base64') };
+  const { status, body } = await call(setup.open, 'ClipService/UploadClip', request);
+  assert.equal(status, 200, JSON.stringify(body));
+  return body;
+}
+
+// The figure of a mapping has all points, the used ones in one colour and the others in another.
+// `highlighted`: a point in a third colour.
+async function checkPoints(page, points, highlighted = '') {
+  const places = points.flatMap(({ xM = 0, yM = 0, zM = 0 }) => [xM, yM, zM]);
+  await whenDrawn(page, '.mapping canvas', (drawn) => {
+    const figure = drawn.find((each) => distance(placesOfInstances(each), places) < 1e-4);
+    assert.ok(figure, 'points of the file');
+    const colors = points.map((_, i) => String(figure.instanceColors.slice(3 * i, 3 * i + 3)));
+    const kinds = points.map(({ name, markerNames = [] }) =>
+      name === highlighted ? 'highlighted' : markerNames.length > 0 ? 'used' : 'unused',
+    );
+    const pairs = new Set(points.map((_, i) => `${kinds[i]} ${colors[i]}`));
+    assert.equal(pairs.size, new Set(kinds).size, [...pairs].join('; '));
+    assert.equal(new Set(colors).size, pairs.size);
+  });
+}
+
+test('an edited rule of an uploaded file changes its figure and the stored clip', async (t) => {
+  const parent = 'databases/mapped';
+  await call(setup.open, 'DatabaseService/CreateDatabase', { databaseId: 'mapped' });
   const motion = await readBvh('01_03');
-  const buffer = Buffer.from(bvhOf(motion, motion.rows.slice(0, 600)));
+  const buffer = Buffer.from(bvhOf(motion, motion.rows.slice(600, 900)));
+  const before = await inspect(parent, 'part.bvh', buffer);
+  const page = await newPage(t, { viewport: { width: 900, height: 700 } });
+  await recordDrawing(page);
+  await page.goto(`${setup.open}/#/clips/mapped`);
   await page.setInputFiles('input[type=file]', { name: 'part.bvh', mimeType: 'text/plain', buffer });
-  await page.locator('.rules input').first().waitFor();
+  await page.locator('.mapping p', { hasText: `Mapping: ${before.mapping}.` }).waitFor();
+  await checkPoints(page, before.points);
+  await page.getByLabel('Rule of Waist', { exact: true }).focus();
+  await checkPoints(page, before.points, 'Spine');
+  // Fewer points than the mapping of the marker set, which fits too.
+  const rules = { Waist: 'LowerBack', LHand: 'LeftForeArm' };
+  for (const [marker, rule] of Object.entries(rules))
+    await page.getByLabel(`Rule of ${marker}`, { exact: true }).fill(rule);
   await page.getByRole('button', { name: 'Use these rules' }).click();
-  await page.locator('.upload-item', { hasText: 'checked' }).waitFor();
+  await page.locator('.mapping p', { hasText: 'Mapping: page-part.' }).waitFor();
+  const after = await inspect(parent, 'part.bvh', buffer);
+  const usedPoints = ({ points }) =>
+    new Set(points.filter(({ markerNames }) => markerNames).map(({ name }) => name));
+  const expected = usedPoints(before);
+  expected.delete('Spine');
+  assert.deepEqual(usedPoints(after), expected.add('LowerBack'));
+  await checkPoints(page, after.points);
+  assert.equal(await page.getByLabel('Rule of Waist', { exact: true }).inputValue(), '1 LowerBack');
   await page.locator('.upload-item').getByRole('button', { name: 'Store' }).click();
   await page.getByText('stored as').waitFor();
-  const { status } = await call(setup.open, 'ClipService/GetClip', { name: 'databases/demo/clips/part' });
-  assert.equal(status, 200);
+  const [stored] = await stream(setup.open, 'ViewService/ReadClipMotion', {
+    name: `${parent}/clips/part`,
+    joints: true,
+  });
+  const placesOf = (names, positions, name) =>
+    floatsOf(positions).filter((_, i) => Math.floor(i / 3) % names.length === names.indexOf(name));
+  const { markerNames, jointNames } = stored.figure;
+  for (const [marker, joint] of Object.entries(rules)) {
+    const markers = placesOf(markerNames, stored.markerPositions, marker);
+    const apart = distance(markers, placesOf(jointNames, stored.jointPositions, joint));
+    assert.ok(markers.length > 100 && apart < 1e-4, `${marker} is ${apart} m from ${joint}`);
+  }
 });

@@ -31,6 +31,7 @@ TIME_LIMIT = 600 * programs.SLOWNESS  # seconds; a run that takes longer hangs
 ADMIN_TOKEN = "a-token-of-the-administrator"
 # As text these are harmless; as HTML or script they run.
 HOSTILE = "<img src=x onerror=\"window.hacked=1\"><script>window.hacked=1</script>'\"&"
+HOSTILE_MARKER = "<img/src='x'onerror='window.hacked=1'>"
 
 
 def skip(reason):
@@ -62,14 +63,22 @@ def run(server, *arguments):
         sys.exit(f"web_page_test: motiondb {' '.join(arguments)}: {result.stderr}")
 
 
-def load_motion(server):
-    """Stores a database `demo` with a model, and `hostile`, whose label is HTML."""
+def load_motion(server, folder):
+    """Stores a database `demo` with a model, and `hostile`, whose texts are HTML."""
     models = programs.MODELS
     run(server, "create", "demo")
     for file, label in (("01_01", "jump"), ("01_03", "climb"), ("Boxing_Toes", "boxing")):
         run(server, "ingest", "demo", f"{models}/{file}.bvh", "--label", label)
-    run(server, "create", "hostile")
-    run(server, "ingest", "hostile", f"{models}/01_01.bvh", "--label", HOSTILE)
+    run(server, "create", "hostile", "--marker-set", "source")
+    with open(f"{models}/01_01.bvh", encoding="utf-8") as file:
+        motion = file.read()
+    os.mkdir(os.path.join(folder, "hostile"))
+    hostile = os.path.join(folder, "hostile/01_01.bvh")
+    with open(hostile, "w", encoding="utf-8") as file:
+        file.write(motion.replace("JOINT Head", "JOINT " + HOSTILE_MARKER))
+    run(server, "ingest", "hostile", hostile, "--label", HOSTILE, "--subject", "S" + HOSTILE,
+        "--title", "T" + HOSTILE, "--description", "D" + HOSTILE,
+        "--field", "note=F" + HOSTILE)
     # Recorded clips with many markers, where they are.
     index = os.path.join(programs.DATA, "index.tsv")
     return os.path.exists(index)
@@ -113,13 +122,13 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         open_server, secure, large = start_servers(folder)
         try:
-            has_recorded = load_motion(open_server)
+            has_recorded = load_motion(open_server, folder)
             setup = {"open": open_server.web, "secure": secure.web, "adminToken": ADMIN_TOKEN,
                      "openAddress": open_server.address, "secureAddress": secure.address,
                      "motiondb": programs.MOTIONDB, "motiondbd": programs.MOTIONDBD,
                      "models": programs.MODELS,
                      "data": programs.DATA if has_recorded else "", "chromium": chromium,
-                     "hostile": HOSTILE, "root": ROOT, "folder": folder,
+                     "hostile": HOSTILE, "hostileMarker": HOSTILE_MARKER, "root": ROOT, "folder": folder,
                      "large": {"web": large.web, "pid": large.process.pid} if large else None}
             code = run_tests(setup, deadline)
         finally:

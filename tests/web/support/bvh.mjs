@@ -3,10 +3,10 @@ import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { setup } from './setup.mjs';
 
-// A file of `models`: its lines before the number of frames, the line of the frame time, one line
+// A file of a folder: its lines before the number of frames, the line of the frame time, one line
 // for each frame, and the frame rate.
-export async function readBvh(name) {
-  const lines = (await readFile(join(setup.models, `${name}.bvh`))).toString().split('\n');
+export async function readBvh(name, folder = setup.models) {
+  const lines = (await readFile(join(folder, `${name}.bvh`))).toString().split('\n');
   const begin = lines.findIndex((line) => line.startsWith('Frames:'));
   const time = lines[begin + 1];
   const rows = lines.slice(begin + 2).filter((line) => line.trim() !== '');

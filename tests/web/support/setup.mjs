@@ -9,7 +9,8 @@ if (text === undefined) throw new Error('expected MOTIONDB_WEB_TEST; run web_pag
  * open, secure: URLs of a server without authentication and of one that needs tokens.
  * openAddress, secureAddress: their gRPC addresses, for the program `motiondb`.
  * adminToken: token of the secure server. models, data: folders of motion; data may be ''.
- * hostile: the label in the database `hostile`. chromium, motiondb, motiondbd, root,
+ * hostile: the label in the database `hostile`; its subject, title, description and a field are the
+ * same after a letter. hostileMarker: a marker of this database. chromium, motiondb, motiondbd, root,
  * folder.
  * large: URL `web` and process id of a server with a large database, or null.
  */

@@ -97,6 +97,12 @@ export class MappingEditor {
       const mapping = markerSet.mappings.find(
         (each: Mapping) => each.name === this.checked.mapping,
       );
+      if (!mapping && this.checked.mapping !== '')
+        this.notice.message(
+          'The server found this mapping automatically. The rules here give the points of a marker ' +
+            'equal weights, unlike the server. The exact rules, to add them: ' +
+            'motiondb inspect FILE --write-mapping MAPPING',
+        );
       this.drawRules(rulesOf(markerSet.markerNames, this.checked.points, mapping));
     } catch (error) {
       this.notice.error(error);

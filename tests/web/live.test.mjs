@@ -7,6 +7,7 @@ import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 import { floatsOf, watch } from './support/stream.mjs';
+import { hide, recordVisibility, show } from './support/visibility.mjs';
 
 // Sends a motion in real time, as a robot does.
 function observe(t, file) {
@@ -92,6 +93,7 @@ test('a stream shows its figure, labels, prediction and latency until it ends', 
 test('without WebGL a stream shows its labels, prediction and latency', async (t) => {
   const page = await newPage(t, { viewport: { width: 500, height: 600 }, colorScheme: 'light' });
   await disableWebGL(page);
+  await recordVisibility(page);
   const stream = observe(t, 'Boxing_Toes.bvh');
   await page.goto(`${setup.open}/#/live/demo`);
   await page.locator('table td a').first().press('Enter');
@@ -107,6 +109,13 @@ test('without WebGL a stream shows its labels, prediction and latency', async (t
   assert.ok(colours > 1, 'labels in the ribbon');
   await page.locator('.chart canvas').waitFor();
   await checkAccessibility(page);
+
+  // A hidden page does not watch.
+  const ended = page.waitForEvent('requestfailed', (request) => request.url().endsWith('WatchStream'));
+  await hide(page);
+  await ended;
+  await show(page);
+  await checkProgress(facts, page);
   stream.kill();
   await page.getByText('The stream has ended.').waitFor();
 });

@@ -5,6 +5,7 @@ import { element } from '../dom/element';
 import { percent } from '../dom/format';
 import { Notice } from '../dom/notice';
 import { pause } from '../watch/pause';
+import { whileVisible } from '../watch/visibility';
 
 const kWaitMilliseconds = 700;
 
@@ -49,9 +50,9 @@ export class OperationProgress {
   private async follow(name: string): Promise<void> {
     while (!this.signal.aborted && this.watched === name) {
       try {
-        const { operation } = await this.api.operations.waitOperation(
-          { name, timeout: { nanos: kWaitMilliseconds * 1_000_000 } },
-          { signal: this.signal },
+        const request = { name, timeout: { nanos: kWaitMilliseconds * 1_000_000 } };
+        const { operation } = await whileVisible(this.signal, (signal) =>
+          this.api.operations.waitOperation(request, { signal }),
         );
         if (!operation || this.watched !== name) return;
         this.draw(operation);

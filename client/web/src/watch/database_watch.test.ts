@@ -9,34 +9,54 @@ beforeEach(() => {
 });
 afterEach(() => {
   vi.useRealTimers();
+  vi.restoreAllMocks();
 });
 
-// Streams that stay open until they are aborted, or fail immediately.
+function setHidden(hidden: boolean) {
+  vi.spyOn(document, 'hidden', 'get').mockReturnValue(hidden);
+  document.dispatchEvent(new Event('visibilitychange'));
+}
+
+// Streams that send one change and stay open until they are aborted, or fail immediately.
 function apiOf(failure?: Code) {
   let streams = 0;
+  let open = 0;
+  const revisions: bigint[] = [];
   const databases = {
     getDatabase: () => Promise.resolve({ database: { revision: 7n } }),
-    // eslint-disable-next-line require-yield
-    async *watchDatabase(_request: unknown, { signal }: { signal: AbortSignal }) {
+    async *watchDatabase(
+      { afterRevision }: { afterRevision: bigint },
+      { signal }: { signal: AbortSignal },
+    ) {
       ++streams;
+      revisions.push(afterRevision);
       if (failure !== undefined) throw new ConnectError('failed', failure);
+      if (signal.aborted) throw new ConnectError('aborted', Code.Canceled);
+      yield { change: { case: 'deleted' }, revision: afterRevision + 1n, upToDate: true };
+      ++open;
       await new Promise((_resolve, reject) => {
         signal.addEventListener('abort', () => {
+          --open;
           reject(new ConnectError('aborted', Code.Canceled));
         });
       });
     },
   };
-  return { api: { databases } as unknown as Api, streams: () => streams };
+  return {
+    api: { databases } as unknown as Api,
+    streams: () => streams,
+    open: () => open,
+    revisions,
+  };
 }
 
 function watch(api: Api, signal: AbortSignal) {
-  const state = { ended: false, failures: 0 };
+  const state = { ended: false, failures: 0, changes: 0 };
   void watchDatabase(api, {
     database: 'demo',
     signal,
     failed: () => ++state.failures,
-    changed: () => undefined,
+    changed: () => ++state.changes,
   }).then(() => {
     state.ended = true;
   });
@@ -51,7 +71,7 @@ test('the watch of a closed view ends without a timer', async () => {
   expect(streams()).toBe(1);
   closing.abort();
   await vi.advanceTimersByTimeAsync(0);
-  expect(state).toEqual({ ended: true, failures: 0 });
+  expect(state).toEqual({ ended: true, failures: 0, changes: 1 });
   expect(vi.getTimerCount()).toBe(0);
 });
 
@@ -63,8 +83,73 @@ test('a lost watch is tried again, until the view closes in the pause', async ()
   expect(streams()).toBe(2);
   closing.abort();
   await vi.advanceTimersByTimeAsync(0);
-  expect(state).toEqual({ ended: true, failures: 2 });
+  expect(state).toEqual({ ended: true, failures: 2, changes: 0 });
   expect(vi.getTimerCount()).toBe(0);
+});
+
+test('the watch ends while the page is hidden, and then continues where it was', async () => {
+  const { api, open, revisions } = apiOf();
+  const closing = new AbortController();
+  const state = watch(api, closing.signal);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(open()).toBe(1);
+  setHidden(true);
+  await vi.advanceTimersByTimeAsync(60_000);
+  expect([open(), state.changes, state.failures]).toEqual([0, 1, 0]);
+  setHidden(false);
+  await vi.advanceTimersByTimeAsync(0);
+  expect([open(), state.changes]).toEqual([1, 2]);
+  expect(revisions).toEqual([7n, 8n]);
+  closing.abort();
+  await vi.advanceTimersByTimeAsync(0);
+  expect(state).toEqual({ ended: true, failures: 0, changes: 2 });
+});
+
+test('a page that opens hidden watches from then on, when it is visible', async () => {
+  setHidden(true);
+  const { api, streams, revisions } = apiOf();
+  const closing = new AbortController();
+  const state = watch(api, closing.signal);
+  await vi.advanceTimersByTimeAsync(60_000);
+  expect(streams()).toBe(0);
+  setHidden(false);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(revisions).toEqual([7n]);
+  setHidden(true);
+  closing.abort();
+  await vi.advanceTimersByTimeAsync(0);
+  expect(state.ended).toBe(true);
+});
+
+test('a closed view leaves no listener of the hidden page', async () => {
+  const added = vi.spyOn(document, 'addEventListener');
+  const removed = vi.spyOn(document, 'removeEventListener');
+  setHidden(true);
+  const { api, streams } = apiOf();
+  const closing = new AbortController();
+  const state = watch(api, closing.signal);
+  await vi.advanceTimersByTimeAsync(0);
+  closing.abort();
+  await vi.advanceTimersByTimeAsync(0);
+  expect([state.ended, state.failures, streams()]).toEqual([true, 0, 1]);
+  expect(added.mock.calls.length).toBeGreaterThan(0);
+  const left = added.mock.calls.filter(
+    ([, listener]) => !removed.mock.calls.some(([, gone]) => gone === listener),
+  );
+  expect(left).toEqual([]);
+});
+
+test('changes that the server has forgotten are reported as no changes', async () => {
+  // The last one: the database was restored from a backup and has a lower revision.
+  for (const code of [Code.OutOfRange, Code.FailedPrecondition, Code.InvalidArgument]) {
+    const { api, revisions } = apiOf(code);
+    const closing = new AbortController();
+    const state = watch(api, closing.signal);
+    await vi.advanceTimersByTimeAsync(1);
+    expect([state.changes, revisions.length]).toEqual([1, 1]);
+    closing.abort();
+    await vi.advanceTimersByTimeAsync(0);
+  }
 });
 
 test('a pause with an aborted signal ends', async () => {

@@ -4,6 +4,7 @@ import { hasCode } from '../api/errors';
 import type { WatchDatabaseResponse } from '../api/messages';
 import { databaseName } from '../api/resource_names';
 import { pause } from './pause';
+import { whileVisible } from './visibility';
 
 const kRetryMilliseconds = 2000;
 
@@ -18,7 +19,7 @@ export interface WatchOptions {
 }
 
 // Follows the changes of a database, also those of other clients, until the signal aborts. After a
-// lost connection it continues where it was. It ends if the database is deleted, or if the server
+// lost connection, and after the page was hidden, it continues where it was. It ends if the database is deleted, or if the server
 // has no such call; then the view shows changes when it is opened again.
 export async function watchDatabase(
   api: Api,
@@ -32,20 +33,23 @@ export async function watchDatabase(
         const stored = await api.databases.getDatabase({ name }, { signal });
         revision = stored.database?.revision ?? 0n;
       }
-      const request = { name, afterRevision: revision };
-      let changes: WatchDatabaseResponse[] = [];
-      for await (const response of api.databases.watchDatabase(request, { signal })) {
-        if (response.change.case !== undefined) changes.push(response);
-        if (!response.upToDate) continue;
-        revision = response.revision;
-        if (changes.length > 0) changed(changes);
-        changes = [];
-      }
+      await whileVisible(signal, async (visible) => {
+        const request = { name, afterRevision: revision ?? 0n };
+        const stream = api.databases.watchDatabase(request, { signal: visible });
+        let changes: WatchDatabaseResponse[] = [];
+        for await (const response of stream) {
+          if (response.change.case !== undefined) changes.push(response);
+          if (!response.upToDate) continue;
+          revision = response.revision;
+          if (changes.length > 0) changed(changes);
+          changes = [];
+        }
+      });
     } catch (error) {
       // A cancelled call is that of a closed view.
       if (!hasCode(error, Code.Canceled)) failed(error);
       if (isFinal(error)) return;
-      if (hasCode(error, Code.OutOfRange, Code.FailedPrecondition)) {
+      if (hasCode(error, Code.OutOfRange, Code.FailedPrecondition, Code.InvalidArgument)) {
         revision = undefined;
         changed([]);
       }

@@ -1,4 +1,6 @@
 import '../../style/clip.css';
+import { Code } from '@connectrpc/connect';
+import { hasCode } from '../../api/errors';
 import type { Clip, WatchDatabaseResponse } from '../../api/messages';
 import { clipName, isClipId } from '../../api/resource_names';
 import { mayActAs } from '../../api/session';
@@ -166,13 +168,31 @@ class ClipView {
   // Shows what other clients have changed.
   private follow(changes: readonly WatchDatabaseResponse[]): void {
     const name = clipName(this.params.database, this.id);
+    if (changes.length === 0) void this.readAgain(name);
     for (const { change } of changes) {
       if (change.case === 'clip' && change.value.name === name)
         this.properties?.follow(change.value);
-      if (change.case === 'deleted' && change.value === name)
-        this.notice.message('Another client has deleted this clip.');
+      if (change.case === 'deleted' && change.value === name) this.showDeleted();
     }
     this.segments?.follow(changes);
+  }
+
+  // Shows the stored properties: changes of other clients can have been missed.
+  private async readAgain(name: string): Promise<void> {
+    const { signal } = this.disposer;
+    try {
+      const { clip } = await this.context.api.clips.getClip({ name }, { signal });
+      this.notice.clear();
+      if (clip) this.properties?.follow(clip);
+    } catch (error) {
+      if (hasCode(error, Code.NotFound)) this.showDeleted();
+      else this.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => void this.readAgain(name));
+    }
+  }
+
+  private showDeleted(): void {
+    this.notice.message('Another client has deleted this clip.');
   }
 
   private openPane(clip: Clip, parts: readonly StagePart[]): MotionPane {

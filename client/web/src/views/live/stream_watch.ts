@@ -9,6 +9,7 @@ import { count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { ViewContext } from '../../shell/view';
 import { pause } from '../../watch/pause';
+import { whileVisible } from '../../watch/visibility';
 import { LabelHistory, momentOf } from './label_history';
 import { LabelRibbon } from './label_ribbon';
 import { LiveStage } from './live_stage';
@@ -71,17 +72,20 @@ export class StreamWatch {
     });
   }
 
-  // Watches until the stream ends; a lost connection is tried again.
+  // Watches until the stream ends, while the page is visible; a lost connection is tried again.
   async run(): Promise<void> {
     const { signal } = this.disposer;
     while (!signal.aborted) {
       try {
         await this.openStage();
         const name = `${databaseName(this.database)}/streams/${this.stream}`;
-        for await (const response of this.context.api.observe.watchStream({ name }, { signal })) {
-          this.notice.clear();
-          this.show(response);
-        }
+        await whileVisible(signal, async (visible) => {
+          const { observe } = this.context.api;
+          for await (const response of observe.watchStream({ name }, { signal: visible })) {
+            this.notice.clear();
+            this.show(response);
+          }
+        });
         this.notice.message('The stream has ended.');
         return;
       } catch (error) {

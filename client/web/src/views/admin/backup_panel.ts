@@ -17,6 +17,7 @@ interface Block {
 export class BackupPanel {
   readonly node: HTMLElement;
   private readonly notice = new Notice();
+  private readonly listNotice = new Notice();
   private readonly bar = element('progress', {
     max: 1,
     value: 0,
@@ -54,6 +55,7 @@ export class BackupPanel {
         exported,
         this.bar,
       ),
+      this.listNotice.node,
       this.notice.node,
     );
     void this.listDatabases();
@@ -68,8 +70,14 @@ export class BackupPanel {
       for (const { name } of databases) {
         this.database.append(element('option', { value: lastPart(name) }, lastPart(name)));
       }
+      this.listNotice.clear();
     } catch (error) {
-      this.notice.error(error);
+      this.listNotice.error(error);
+      this.context.connection.whenRestored(
+        error,
+        this.disposer.signal,
+        () => void this.listDatabases(),
+      );
     }
   }
 

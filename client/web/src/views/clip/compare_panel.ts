@@ -12,6 +12,7 @@ import { MotionPane } from './motion_pane';
 export class ComparePanel {
   readonly node: HTMLElement;
   private readonly notice = new Notice();
+  private readonly namesNotice = new Notice();
   private readonly clip: HTMLInputElement;
   private readonly names = element('datalist', { id: 'compare-clips' });
   private readonly offset: HTMLInputElement;
@@ -52,6 +53,7 @@ export class ComparePanel {
       labelled('Offset, s', this.offset),
       this.align,
       this.notice.node,
+      this.namesNotice.node,
     );
     this.clip.addEventListener('change', () => void this.openClip());
     this.clip.addEventListener('focus', () => void this.listNames(), { once: true });
@@ -90,8 +92,14 @@ export class ComparePanel {
       this.names.replaceChildren(
         ...page.clips.map((clip) => element('option', { value: lastPart(clip.name) })),
       );
+      this.namesNotice.clear();
     } catch (error) {
-      this.notice.error(error);
+      this.namesNotice.error(error);
+      this.context.connection.whenRestored(
+        error,
+        this.disposer.signal,
+        () => void this.listNames(),
+      );
     }
   }
 

@@ -65,7 +65,7 @@ class DatabasePage implements View {
         : [...hiddenLabels, label];
       this.change({ hiddenLabels: hidden });
     });
-    this.nodePanel = new NodePanel(this.poses);
+    this.nodePanel = new NodePanel(this.poses, context.connection);
     this.axisEnds = new AxisEnds(this.poses);
     this.nodeList = new NodeList((node) => {
       this.choose(node);

@@ -1,3 +1,4 @@
+import type { Connection } from '../../api/connection';
 import { element, replaceChildren } from '../../dom/element';
 import { count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
@@ -17,8 +18,12 @@ export class NodePanel {
   private readonly notice = new Notice();
   private timer: ReturnType<typeof setTimeout> | undefined;
   private shown = '';
+  private readonly closing = new AbortController();
 
-  constructor(private readonly poses: NodePoses) {
+  constructor(
+    private readonly poses: NodePoses,
+    private readonly connection: Connection,
+  ) {
     this.node.append(element('h2', {}, 'Mean pose'), this.facts, this.picture, this.notice.node);
   }
 
@@ -32,6 +37,7 @@ export class NodePanel {
   }
 
   close(): void {
+    this.closing.abort();
     clearTimeout(this.timer);
   }
 
@@ -44,6 +50,9 @@ export class NodePanel {
       replaceChildren(this.picture, posePicture(pose, kView, `Mean pose of node ${id}`));
     } catch (error) {
       this.notice.error(error);
+      this.connection.whenRestored(error, this.closing.signal, () => {
+        if (key === this.shown) void this.load(map, node, key);
+      });
     }
   }
 }

@@ -52,7 +52,13 @@ export class NodePoses {
   private loadBones(): Promise<readonly Bone[]> {
     this.bones ??= this.api.views
       .getFigure({ name: databaseName(this.database) }, { signal: this.signal })
-      .then((response) => response.figure?.markerBones ?? []);
+      .then(
+        (response) => response.figure?.markerBones ?? [],
+        (error: unknown) => {
+          this.bones = undefined; // the next pose asks again
+          throw error;
+        },
+      );
     return this.bones;
   }
 }

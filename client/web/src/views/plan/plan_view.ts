@@ -218,8 +218,12 @@ class PlanPage implements View {
       this.stage.setMotion(this.motion);
       this.stage.complete();
       this.clock.seek(0);
+      this.notice.clear();
     } catch (error) {
       this.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => {
+        if (this.response === response && this.chosen === index) void this.show(index);
+      });
     }
   }
 

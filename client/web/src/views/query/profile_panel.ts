@@ -1,9 +1,8 @@
-import type { Api } from '../../api/api';
 import { Method } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { button, element, labelled } from '../../dom/element';
 import { Notice } from '../../dom/notice';
-import type { ThemeSwitch } from '../../shell/theme';
+import type { ViewContext } from '../../shell/view';
 import { observationOf, type ObservedMotion } from './observed_motion';
 import { ProfileChart } from './profile_chart';
 import { comparedLayers, profileOf, type Profile } from './profile_series';
@@ -35,8 +34,7 @@ export class ProfilePanel {
   private readonly removeTheme: () => void;
 
   constructor(
-    private readonly api: Api,
-    private readonly theme: ThemeSwitch,
+    private readonly context: Pick<ViewContext, 'api' | 'connection' | 'theme'>,
     private readonly seek: (seconds: number) => void,
     private readonly ask: (layers: number[]) => void,
   ) {
@@ -50,7 +48,7 @@ export class ProfilePanel {
       this.notice.node,
       this.charts,
     );
-    this.removeTheme = theme.onChange(() => {
+    this.removeTheme = context.theme.onChange(() => {
       this.draw();
     });
   }
@@ -65,7 +63,7 @@ export class ProfilePanel {
       question.chosen(layers);
       this.notice.message('Computing the probabilities of all clips ...');
       for (const layer of layers) {
-        const response = await this.api.queries.recognize(
+        const response = await this.context.api.queries.recognize(
           {
             database: databaseName(question.database),
             observation: observationOf(question.observed),
@@ -82,6 +80,7 @@ export class ProfilePanel {
       this.notice.clear();
     } catch (error) {
       if (!signal.aborted) this.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => void this.load(question));
     }
   }
 
@@ -102,13 +101,14 @@ export class ProfilePanel {
   private async layersOf(question: ProfileQuestion, signal: AbortSignal): Promise<number[]> {
     if (question.layers.length > 0) return [...question.layers];
     const name = `${databaseName(question.database)}/models/current`;
-    const { model } = await this.api.models.getModel({ name }, { signal });
+    const { model } = await this.context.api.models.getModel({ name }, { signal });
     return comparedLayers(model?.nodesPerLayer.length ?? 1);
   }
 
   private draw(): void {
     for (const chart of this.drawn) chart.dispose();
-    this.drawn = this.profiles.map((profile) => new ProfileChart(profile, this.theme, this.seek));
+    const { theme } = this.context;
+    this.drawn = this.profiles.map((profile) => new ProfileChart(profile, theme, this.seek));
     this.charts.replaceChildren(...this.drawn.map((chart) => chart.node));
   }
 }

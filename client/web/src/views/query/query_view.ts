@@ -73,7 +73,7 @@ class QueryPage implements View {
         this.clearMoment();
       },
     );
-    this.profiles = new ProfilePanel(api, theme, seek, (layers) => {
+    this.profiles = new ProfilePanel(context, seek, (layers) => {
       this.change({ layers });
       void this.loadProfiles();
     });

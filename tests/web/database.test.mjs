@@ -5,7 +5,7 @@ import { checkAccessibility, disableWebGL, newPage, shown } from './support/brow
 import { recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
-import { placesOf, readMap } from './support/state_map.mjs';
+import { clearNodes, placesOf, readMap } from './support/state_map.mjs';
 
 async function open(t, query = '', options = {}, prepare = undefined) {
   const page = await newPage(t, options);
@@ -22,12 +22,7 @@ test('a node is where the camera projects the mean that the server sends', async
   const map = await readMap('demo', 5, 20000);
   const box = await page.locator('.map canvas').boundingBox();
   const places = placesOf(map, eye, box.width, box.height);
-  const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
-  const alone = places.map((place) =>
-    places.reduce((least, other) => (other === place ? least : Math.min(least, distance(place, other))), Infinity),
-  );
-  const clear = [...alone.keys()].sort((a, b) => alone[b] - alone[a]).slice(0, 4);
-  for (const node of clear) {
+  for (const node of clearNodes(places, 4)) {
     await page.mouse.move(box.x + places[node].x, box.y + places[node].y);
     const text = `Node ${map.ids[node]} of layer 5:`;
     await page.locator('.node-panel', { hasText: text }).waitFor();

@@ -6,22 +6,30 @@ import { floatsOf, stream } from './stream.mjs';
 const floats = (messages, part, field) =>
   messages.flatMap((message) => (message[part] ? floatsOf(message[part][field]) : []));
 
-// Header, node ids, main clips, means and points of a layer; undefined: the bottom layer.
-export async function readMap(database, layer, maxPoints) {
+/**
+ * Header, node ids, main clips, means, semi-axes, transitions [from, to, probability] (node ids) and
+ * points of a layer; undefined: the bottom layer. `clip`: id of the clip whose graph it is.
+ */
+export async function readMap(database, layer, maxPoints, clip = '') {
   const parent = `databases/${database}/models/current`;
-  const messages = await stream(setup.open, 'ViewService/ReadStateMap', { parent, layer, maxPoints });
+  const request = { parent, layer, maxPoints, clip: clip && `databases/${database}/clips/${clip}` };
+  const messages = await stream(setup.open, 'ViewService/ReadStateMap', request);
   return {
     header: messages[0].header,
     ids: messages.flatMap((m) => m.nodes?.nodeIds ?? []),
     mainClips: messages.flatMap((m) => m.nodes?.mainClips ?? []),
     means: floats(messages, 'nodes', 'means'),
+    semiAxes: floats(messages, 'nodes', 'semiAxes'),
+    transitions: messages.flatMap(({ transitions: part }) =>
+      (part?.fromNodeIds ?? []).map((from, i) => [from, part.toNodeIds[i], part.probabilities[i]]),
+    ),
     points: floats(messages, 'points', 'positions'),
   };
 }
 
 // Places of the means on a canvas, px, for a camera at `eye` that looks at the middle of the map.
-// The page shows a map with radius 3 and a vertical field of view of 40 degrees.
-export function placesOf({ means, points }, eye, width, height) {
+// The page shows a map with radius 3.
+export function placesOf({ means, points }, eye, width, height, degrees = 40) {
   const values = means.concat(points);
   const axis = (k) => values.filter((_, i) => i % 3 === k);
   const low = [0, 1, 2].map((k) => axis(k).reduce((a, b) => Math.min(a, b)));
@@ -31,8 +39,19 @@ export function placesOf({ means, points }, eye, width, height) {
   const places = [];
   for (let i = 0; i < means.length; i += 3) {
     const at = means.slice(i, i + 3).map((value, k) => (value - centre[k]) * scale);
-    const [x, y] = project(at, eye, [0, 0, 0], width, height);
+    const [x, y] = project(at, eye, [0, 0, 0], width, height, degrees);
     places.push({ x, y });
   }
   return places;
+}
+
+// The `count` nodes that are farthest from all others on the canvas, as indices.
+export function clearNodes(places, count) {
+  const alone = places.map((place) =>
+    places.reduce(
+      (least, other) => (other === place ? least : Math.min(least, Math.hypot(place.x - other.x, place.y - other.y))),
+      Infinity,
+    ),
+  );
+  return [...alone.keys()].sort((a, b) => alone[b] - alone[a]).slice(0, count);
 }

@@ -121,9 +121,9 @@ async function checkDrag(page, { frames }) {
   await page.mouse.move(edge.x + 3, y); // the rest is beyond the end of the clip
   await page.mouse.down();
   await page.mouse.move(lanes.x + 0.7 * lanes.width, y, { steps: 3 });
-  await page.mouse.move(lanes.x + 0.6 * lanes.width, y);
+  await page.mouse.move(lanes.x + 0.613 * lanes.width, y);
   // While it moves, the motion shows its place, and nothing is stored.
-  const end = Math.round(0.6 * duration * kRate);
+  const end = Math.round(0.613 * duration * kRate);
   await page.locator('.position', { hasText: `frame ${end}` }).waitFor();
   assert.deepEqual(await storedSegments(), before);
   await page.mouse.up();

@@ -59,14 +59,6 @@ test('segments are created, moved by keys, and deleted', async (t) => {
   await segment.waitFor({ state: 'detached' });
 });
 
-test('two clips play side by side', async (t) => {
-  const page = await openClip(t, 'with=01_03');
-  await page.locator('.motion-pane').nth(1).locator('canvas').waitFor();
-  await page.getByRole('button', { name: 'Align' }).click();
-  await page.waitForURL(/offset=-?\d/);
-  assert.ok(Number(await page.getByLabel('Offset, s').inputValue()) !== 0);
-});
-
 test('speed and loop are in the address', async (t) => {
   const page = await openClip(t, 'speed=0.3');
   const speed = page.locator('.player').getByLabel('Speed');

@@ -36,6 +36,11 @@ async function checkStages(page, first, second) {
   await offset.fill('-1');
   await offset.press('Enter');
   await checkStage(page, 2, second, 0);
+  await page.getByRole('button', { name: 'Align' }).press('Enter');
+  await page.waitForURL((url) => /offset=-?\d/.test(url) && !/offset=-1(&|$)/.test(url));
+  const found = Number(await offset.inputValue());
+  const frame = Math.max(0, Math.floor((31 / kRate + found) * kRate + 1e-6));
+  await checkStage(page, 2, second, Math.min(frame, second.frames.length - 1));
 }
 
 // Points [time, value] of the values of frames.

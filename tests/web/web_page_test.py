@@ -91,7 +91,7 @@ def start_servers(folder):
     def options(name):
         return (os.path.join(folder, f"{name}.db"), *web)
 
-    open_server = programs.Server(*options("open"))
+    open_server = programs.Server(*options("open"), "--http-listen", "127.0.0.1:0")
     token_file = os.path.join(folder, "token")
     with open(os.open(token_file, os.O_CREAT | os.O_WRONLY, 0o600), "w") as file:
         file.write(ADMIN_TOKEN + "\n")
@@ -123,7 +123,8 @@ def main():
         open_server, secure, large = start_servers(folder)
         try:
             has_recorded = load_motion(open_server, folder)
-            setup = {"open": open_server.web, "secure": secure.web, "adminToken": ADMIN_TOKEN,
+            setup = {"open": open_server.web, "openMetrics": open_server.http,
+                     "secure": secure.web, "adminToken": ADMIN_TOKEN,
                      "openAddress": open_server.address, "secureAddress": secure.address,
                      "motiondb": programs.MOTIONDB, "motiondbd": programs.MOTIONDBD,
                      "models": programs.MODELS,

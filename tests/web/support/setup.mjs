@@ -8,6 +8,7 @@ if (text === undefined) throw new Error('expected MOTIONDB_WEB_TEST; run web_pag
 /**
  * open, secure: URLs of a server without authentication and of one that needs tokens.
  * openAddress, secureAddress: their gRPC addresses, for the program `motiondb`.
+ * openMetrics: URL of the metrics of the open server, without /metrics.
  * adminToken: token of the secure server. models, data: folders of motion; data may be ''.
  * hostile: the label in the database `hostile`; its subject, title, description and a field are the
  * same after a letter. hostileMarker: a marker of this database. chromium, motiondb, motiondbd, root,

@@ -38,15 +38,6 @@ test('Shift with arrow keys moves the map', async (t) => {
   await page.waitForURL(/camera=0\.35%2C-7\.00%2C0\.35%2C0\.35%2C-?0\.00%2C0\.35/);
 });
 
-test('keys and slider change the layer, and the URL has it', async (t) => {
-  const page = await open(t, '?layer=4');
-  await page.locator('.map canvas').press(']');
-  await page.locator('output', { hasText: 'Layer 5 of' }).waitFor();
-  assert.match(page.url(), /layer=5/);
-  await page.getByRole('slider', { name: 'Layer' }).press('ArrowLeft');
-  await page.locator('output', { hasText: 'Layer 4 of' }).waitFor();
-});
-
 test('Table I has the statistics of the server', async (t) => {
   const page = await open(t);
   const { body } = await call(setup.open, 'DatabaseService/GetDatabase', {

@@ -96,15 +96,58 @@ const set = (input, value) =>
     node.dispatchEvent(new Event('change'));
   }, value);
 
-test('nodes, transitions and axes of the map are those of the server', async (t) => {
+// Planes of two axes, and zoom with the wheel.
+async function checkPlanes(page, map) {
+  const canvas = page.locator('.map canvas');
+  const checkCamera = async (eye, degrees) => {
+    const { x, y, width, height } = await canvas.boundingBox(); // the page scrolls to what is used
+    const places = placesOf(map, eye, width, height, degrees);
+    const inside = (node) =>
+      Math.abs(places[node].x / width - 0.5) < 0.45 && Math.abs(places[node].y / height - 0.5) < 0.45;
+    for (const node of clearNodes(places, places.length).filter(inside).slice(0, 2)) {
+      await page.mouse.move(x + places[node].x, y + places[node].y);
+      await page.locator('.node-panel', { hasText: `Node ${map.ids[node]} of layer ${map.header.layer}:` }).waitFor();
+    }
+  };
+  const { width, height } = await canvas.boundingBox();
+  const reach = 3 / Math.sin((2 * Math.PI) / 180) / Math.min(1, width / height);
+  for (const [axes, from] of [
+    ['12', [0, -1e-6, 1]],
+    ['13', [0, -1, 0]],
+    ['23', [1, 0, 0]],
+  ]) {
+    await control(page, 'Axes').selectOption(axes);
+    await checkCamera(scaled(from, reach), 4);
+  }
+  await control(page, 'Axes').selectOption('123');
+  await canvas.press('+');
+  const before = await cameraOf(page);
+  await canvas.hover();
+  const scroll = await page.evaluate(() => scrollY);
+  const after = await moved(page, () => page.mouse.wheel(0, -240));
+  assert.ok(after.distance < 0.95 * before.distance, `${before.distance} m, then ${after.distance} m`);
+  assertNear(scaled(after.eye, 1 / after.distance), scaled(before.eye, 1 / before.distance), 0.01, 'direction');
+  await checkCamera(after.eye, 40);
+  const back = await moved(page, () => page.mouse.wheel(0, 240));
+  assert.ok(back.distance > 1.05 * after.distance);
+  assert.equal(await page.evaluate(() => scrollY), scroll);
+}
+
+test('nodes and transitions of the map are those of the server, in each plane', async (t) => {
   const layer = 6;
   const page = await open(t, `?layer=${layer - 1}&points=0`);
-  // Fig. 9: the global graph, and each layer.
-  await checkMap(page, await readMap('demo', layer - 1, 0));
-  await page.getByRole('slider', { name: 'Layer' }).press('ArrowRight');
+  // Fig. 9: the global graph; keys and slider change the layer.
+  await page.locator('.map canvas').press(']');
+  await page.locator('output', { hasText: `Layer ${layer} of` }).waitFor();
   const map = await readMap('demo', layer, 0);
   assert.ok(map.ids.length > 20, `${map.ids.length} nodes`);
   await checkMap(page, map);
+  assert.match(page.url(), new RegExp(`layer=${layer}\\b`));
+  await page.getByRole('slider', { name: 'Layer' }).press('ArrowLeft');
+  const above = await readMap('demo', layer - 1, 0);
+  await checkMap(page, above);
+  await checkPlanes(page, above);
+  await page.getByRole('slider', { name: 'Layer' }).press('ArrowRight');
 
   await set(control(page, 'Ellipsoids, standard deviations'), '1');
   await checkMap(page, map, { size: 1 });
@@ -130,44 +173,6 @@ test('nodes, transitions and axes of the map are those of the server', async (t)
   const clip = await readMap('demo', layer, 0, '01_01');
   assert.ok(clip.ids.length < map.ids.length);
   await checkMap(page, clip, { size: 1 });
-});
-
-test('planes of two axes, and zoom with the wheel', async (t) => {
-  const page = await open(t, '?layer=4');
-  const map = await readMap('demo', 4, 20000);
-  const canvas = page.locator('.map canvas');
-  const checkCamera = async (eye, degrees) => {
-    const { x, y, width, height } = await canvas.boundingBox(); // the page scrolls to what is used
-    const places = placesOf(map, eye, width, height, degrees);
-    const inside = (node) =>
-      Math.abs(places[node].x / width - 0.5) < 0.45 && Math.abs(places[node].y / height - 0.5) < 0.45;
-    for (const node of clearNodes(places, places.length).filter(inside).slice(0, 2)) {
-      await page.mouse.move(x + places[node].x, y + places[node].y);
-      await page.locator('.node-panel', { hasText: `Node ${map.ids[node]} of layer 4:` }).waitFor();
-    }
-  };
-  const { width, height } = await canvas.boundingBox();
-  const reach = 3 / Math.sin((2 * Math.PI) / 180) / Math.min(1, width / height);
-  for (const [axes, from] of [
-    ['12', [0, -1e-6, 1]],
-    ['13', [0, -1, 0]],
-    ['23', [1, 0, 0]],
-  ]) {
-    await control(page, 'Axes').selectOption(axes);
-    await checkCamera(scaled(from, reach), 4);
-  }
-  await control(page, 'Axes').selectOption('123');
-  await canvas.press('+');
-  const before = await cameraOf(page);
-  await canvas.hover();
-  const scroll = await page.evaluate(() => scrollY);
-  const after = await moved(page, () => page.mouse.wheel(0, -240));
-  assert.ok(after.distance < 0.95 * before.distance, `${before.distance} m, then ${after.distance} m`);
-  assertNear(scaled(after.eye, 1 / after.distance), scaled(before.eye, 1 / before.distance), 0.01, 'direction');
-  await checkCamera(after.eye, 40);
-  const back = await moved(page, () => page.mouse.wheel(0, 240));
-  assert.ok(back.distance > 1.05 * after.distance);
-  assert.equal(await page.evaluate(() => scrollY), scroll);
 });
 
 test('fingers choose a node, turn and zoom the map', async (t) => {

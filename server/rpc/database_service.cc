@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <iterator>
 #include <memory>
+#include <unordered_map>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -31,8 +33,11 @@ absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& r
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
                             call.engine.CreateDatabase(request.database_id(), settings, marker_set,
                                                        {&audit, call.cancelled}));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto revision,
+                            call.engine.store().annotations().Revision(record.name));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(record.name));
   SetDatabase(record, *live, *response.mutable_database());
+  response.mutable_database()->set_revision(revision);
   return absl::OkStatus();
 }
 
@@ -54,8 +59,11 @@ absl::Status GetDatabase(const Call& call, const v1::GetDatabaseRequest& request
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const bool full, IsFull(request.view()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
+  // First: the answer contains at least the changes up to it.
+  MOTIONDB_ASSIGN_OR_RETURN(const auto revision, call.engine.store().annotations().Revision(id));
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.store().GetDatabase(id));
   SetDatabase(record, *live, *response.mutable_database());
+  response.mutable_database()->set_revision(revision);
   if (full) {
     MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot,
                               call.engine.ModelIfAny(*live, call.work_options()));
@@ -80,8 +88,12 @@ absl::Status ListDatabases(const Call& call, const v1::ListDatabasesRequest& req
                            v1::ListDatabasesResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
   MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(kScope, request.page_token()));
+  std::unordered_map<std::int64_t, std::int64_t> revisions;  // by id
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states, call.engine.store().ListDatabaseStates());
+  for (const auto& state : states) revisions[state.id] = state.revision;
   MOTIONDB_ASSIGN_OR_RETURN(const auto records, VisibleDatabases(call, {after, size + 1}));
   const auto make = [&](const storage::DatabaseRecord& record, v1::Database& to) {
+    to.set_revision(revisions[record.id]);
     if (const auto live = call.engine.FindDatabase(record.name); live.ok()) {
       SetDatabase(record, **live, to);
     } else {  // deleted after it was listed, or not yet served here: only its settings

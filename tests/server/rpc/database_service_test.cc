@@ -154,6 +154,21 @@ TEST_CASE("DatabaseService: lists in order, page by page", "[server][rpc]") {
   CHECK(ViolatedFields(Ask(*stub, &Stub::ListDatabases, request).status) == "page_size");
 }
 
+TEST_CASE("DatabaseService: the revision grows with each change", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  server.CreateDatabase("other");
+  const auto stub = server.NewStub<v1::DatabaseService>();
+  const auto before = Get(*stub, "databases/db").response.database().revision();
+  server.Wait(server.IngestFigure("db", "walk", "walk", {.frame_count = 60}).operation().name());
+  const auto after = Get(*stub, "databases/db").response.database().revision();
+  CHECK(after > before);
+  const auto listed = Ask(*stub, &Stub::ListDatabases, v1::ListDatabasesRequest()).response;
+  REQUIRE(listed.databases_size() == 2);
+  CHECK(listed.databases(0).revision() == after);
+  CHECK(listed.databases(1).revision() == before);
+}
+
 TEST_CASE("DatabaseService: the view decides whether there are statistics", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");

@@ -71,7 +71,8 @@ test('the watch of a closed view ends without a timer', async () => {
   expect(streams()).toBe(1);
   closing.abort();
   await vi.advanceTimersByTimeAsync(0);
-  expect(state).toEqual({ ended: true, failures: 0, changes: 1 });
+  // The beginning, and the change.
+  expect(state).toEqual({ ended: true, failures: 0, changes: 2 });
   expect(vi.getTimerCount()).toBe(0);
 });
 
@@ -83,7 +84,7 @@ test('a lost watch is tried again, until the view closes in the pause', async ()
   expect(streams()).toBe(2);
   closing.abort();
   await vi.advanceTimersByTimeAsync(0);
-  expect(state).toEqual({ ended: true, failures: 2, changes: 0 });
+  expect(state).toEqual({ ended: true, failures: 2, changes: 1 });
   expect(vi.getTimerCount()).toBe(0);
 });
 
@@ -95,14 +96,14 @@ test('the watch ends while the page is hidden, and then continues where it was',
   expect(open()).toBe(1);
   setHidden(true);
   await vi.advanceTimersByTimeAsync(60_000);
-  expect([open(), state.changes, state.failures]).toEqual([0, 1, 0]);
+  expect([open(), state.changes, state.failures]).toEqual([0, 2, 0]);
   setHidden(false);
   await vi.advanceTimersByTimeAsync(0);
-  expect([open(), state.changes]).toEqual([1, 2]);
+  expect([open(), state.changes]).toEqual([1, 3]);
   expect(revisions).toEqual([7n, 8n]);
   closing.abort();
   await vi.advanceTimersByTimeAsync(0);
-  expect(state).toEqual({ ended: true, failures: 0, changes: 2 });
+  expect(state).toEqual({ ended: true, failures: 0, changes: 3 });
 });
 
 test('a page that opens hidden watches from then on, when it is visible', async () => {
@@ -147,6 +148,8 @@ test('changes that the server has forgotten are reported as no changes', async (
     const state = watch(api, closing.signal);
     await vi.advanceTimersByTimeAsync(1);
     expect([state.changes, revisions.length]).toEqual([1, 1]);
+    await vi.advanceTimersByTimeAsync(2000);
+    expect([state.changes, revisions.length]).toEqual([2, 2]);
     closing.abort();
     await vi.advanceTimersByTimeAsync(0);
   }

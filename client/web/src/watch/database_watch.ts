@@ -13,14 +13,15 @@ export interface WatchOptions {
   signal: AbortSignal;
   // The stream has ended with an error, for example because the token was revoked.
   readonly failed: (error: unknown) => void;
-  // A stored transaction: its changes in order. Also called with no changes if changes can have
-  // been missed: then the caller reads everything again.
+  // A stored transaction: its changes in order. Also called with no changes when it begins,
+  // and if changes can have been missed: then the caller reads everything again.
   readonly changed: (changes: readonly WatchDatabaseResponse[]) => void;
 }
 
 // Follows the changes of a database, also those of other clients, until the signal aborts. After a
-// lost connection, and after the page was hidden, it continues where it was. It ends if the database is deleted, or if the server
-// has no such call; then the view shows changes when it is opened again.
+// lost connection, and after the page was hidden, it continues where it was. It ends if the
+// database is deleted, or if the server has no such call; then the view shows changes when it is
+// opened again.
 export async function watchDatabase(
   api: Api,
   { database, signal, changed, failed }: WatchOptions,
@@ -32,6 +33,8 @@ export async function watchDatabase(
       if (revision === undefined) {
         const stored = await api.databases.getDatabase({ name }, { signal });
         revision = stored.database?.revision ?? 0n;
+        // The caller may have read before the changes up to it, or long ago.
+        changed([]);
       }
       await whileVisible(signal, async (visible) => {
         const request = { name, afterRevision: revision ?? 0n };
@@ -51,7 +54,6 @@ export async function watchDatabase(
       if (isFinal(error)) return;
       if (hasCode(error, Code.OutOfRange, Code.FailedPrecondition, Code.InvalidArgument)) {
         revision = undefined;
-        changed([]);
       }
     }
     await pause(kRetryMilliseconds, signal);

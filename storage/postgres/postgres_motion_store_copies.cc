@@ -79,7 +79,12 @@ absl::Status PostgresMotionStore::ReplaceContent(Connection& backup,
     MOTIONDB_RETURN_IF_ERROR(
         writer.Execute("LOCK TABLE database, token, audit IN SHARE ROW EXCLUSIVE MODE"));
     MOTIONDB_RETURN_IF_ERROR(CheckHasNoDatabases(writer));
-    if (!staged().IsEmpty()) {
+    // Of any server.
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const auto imports,
+        writer.QueryInteger("SELECT count(*) FROM build_lease WHERE holder LIKE 'import/%' AND "
+                            "expire_time_us > extract(epoch FROM clock_timestamp()) * 1000000"));
+    if (imports > 0 || !staged().IsEmpty()) {
       return core::FailedPrecondition(
           "a database is being imported: restore a backup into an empty store");
     }

@@ -12,6 +12,7 @@ namespace {
 constexpr int kStepRows = 256;  // at most, in one step
 constexpr int kFreeKeys = 64;   // asked for at a time
 constexpr char kInvalidChecksum[] = "-1";
+constexpr std::string_view kSequence = "sequence";  // key of operations, tokens and audit entries
 constexpr std::string_view kDeletedPrefix = "deleted/";  // see MarkDatabaseDeleted
 
 std::vector<CopiedTable> TablesOf(std::optional<std::int64_t> database_key, RowCopy::Mode mode) {
@@ -124,7 +125,7 @@ absl::StatusOr<std::int64_t> RowCopy::CopyRow(Connection& target) {
                           table.name);
   }
   std::int64_t key = rows_->Integer(0);
-  if (HasNewKeys(table.name) && columns_.front().is_key) {
+  if (has_new_keys() && columns_.front().is_key && table.keys != kSequence) {
     MOTIONDB_ASSIGN_OR_RETURN(key, FreeKey(target));
     if (table.is_parent) target_keys_[table.name][rows_->Integer(0)] = key;
   }
@@ -143,14 +144,13 @@ absl::StatusOr<std::int64_t> RowCopy::CopyRow(Connection& target) {
 
 absl::Status RowCopy::BindColumn(const CopiedColumn& column, int index, std::int64_t key,
                                  Statement& insert) {
-  const std::string_view table = tables_[table_].name;
-  const bool is_of_database = HasNewKeys(table) && table == "database";
+  const bool is_of_database = has_new_keys() && tables_[table_].name == "database";
   const auto is_name_of_deleted = [&] {
     return mode_ == Mode::kImport || rows_->Text(index).starts_with(kDeletedPrefix);
   };
-  if (column.is_key && HasNewKeys(table)) {
+  if (column.is_key) {
     insert.Bind(key);
-  } else if (!column.refers_to.empty() && HasNewKeys(column.refers_to) && !rows_->IsNull(index)) {
+  } else if (has_new_keys() && !column.refers_to.empty() && !rows_->IsNull(index)) {
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t referred,
                               TargetKey(column.refers_to, rows_->Integer(index)));
     insert.Bind(referred);

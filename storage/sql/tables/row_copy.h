@@ -25,8 +25,9 @@ class RowCopy {
     kBackup,
     // Into a store without rows. Rows keep their keys.
     kMove,
-    // Like kMove, but into a store that other servers have open: databases get keys that it never
-    // had, so that no server and no build lease takes one for a deleted database.
+    // Like kMove, but into a store that other servers have open: databases and their rows get keys
+    // that it never had. So no server and no build lease takes a database for a deleted one, and a
+    // server that frees a deleted one takes no row for one of it.
     kRestore,
     // Of one database: its rows get free keys, and it is hidden like a deleted one.
     kImport,
@@ -58,10 +59,8 @@ class RowCopy {
   std::string InsertOf(const std::string& checksum) const;
   // Copies the current row of `rows_`. Returns the bytes of its blobs.
   absl::StatusOr<std::int64_t> CopyRow(Connection& target);
-  // Returns whether the rows of a table get new keys.
-  bool HasNewKeys(std::string_view table) const {
-    return mode_ == Mode::kImport || (mode_ == Mode::kRestore && table == "database");
-  }
+  // Returns whether rows of databases get new keys. Others have a `sequence` in all modes.
+  bool has_new_keys() const { return mode_ == Mode::kImport || mode_ == Mode::kRestore; }
   absl::Status BindColumn(const CopiedColumn& column, int index, std::int64_t key,
                           Statement& insert);
   // Returns a free key of the table for a new row.

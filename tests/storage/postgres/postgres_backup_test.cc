@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "storage/postgres/postgres_motion_store.h"
 #include "tests/storage/backup_bytes.h"
@@ -147,6 +148,59 @@ TEST_CASE("Postgres backup: a restored database is another one than that with it
   }
   REQUIRE_OK(target->PurgeDeletedDatabases({}));
   REQUIRE(Findings(*target).empty());
+}
+
+TEST_CASE("Postgres backup: a server that frees a deleted database takes no restored row for one",
+          "[storage][postgres][backup][servers]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr) return;
+  const PostgresDatabase database(*cluster);
+  const auto target = Open(database);
+  const auto other_server = Open(database);
+  REQUIRE_OK(target->CreateDatabase(SampleDatabase("d")));
+  storage::NewClip large = SampleClip("d", "large", 1);
+  large.file_bytes = std::string(12 << 20, 'x');  // freed in several pieces
+  REQUIRE_OK(target->AddClip(large));
+  REQUIRE_OK(target->AddClip(SampleClip("d", "small", 2)));
+  REQUIRE_OK(target->PutModel("d", SampleModel({large})));
+  const std::string dump = Dump(*target);
+  const std::string bytes = Backup(*target);
+  // A restore before each piece.
+  int pieces = 0;
+  for (bool is_restored = true; std::exchange(is_restored, false); ++pieces) {
+    REQUIRE_OK(target->DeleteDatabase("d"));
+    const core::Cancelled before_piece = [&, piece = 0]() mutable {
+      if (piece++ == pieces) {
+        is_restored = true;
+        REQUIRE_OK(Restore(*target, bytes));
+      }
+      return false;
+    };
+    REQUIRE_OK(other_server->PurgeDeletedDatabases(before_piece));
+    if (!is_restored) REQUIRE_OK(Restore(*target, bytes));
+    REQUIRE(Dump(*target) == dump);
+    REQUIRE(Findings(*target).empty());
+  }
+  REQUIRE(pieces > 5);
+}
+
+TEST_CASE("Postgres backup: a restore is refused during an import of another server",
+          "[storage][postgres][backup][servers]") {
+  PostgresCluster* const cluster = PostgresCluster::Find();
+  if (cluster == nullptr) return;
+  const PostgresDatabase database(*cluster);
+  const auto target = Open(database);
+  REQUIRE_OK(target->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_OK(target->AddClip(SampleClip("d", "walk", 1)));
+  const std::string bytes = Backup(*target);
+  const std::string exported = Export(*target, "d");
+  REQUIRE_OK(target->DeleteDatabase("d"));
+  const auto other_server = Open(database);
+  const auto import = Require(other_server->maintenance().BeginImport());
+  REQUIRE_OK(import->Append(exported));
+  REQUIRE_OK(import->Check({}));
+  REQUIRE_OK(import->Stage({}));
+  REQUIRE_ERROR(Restore(*target, bytes), StatusCode::kFailedPrecondition, "is being imported");
 }
 
 TEST_CASE("Postgres backup: is consistent while clips are added and deleted",

@@ -80,6 +80,11 @@ void Engine::Look() {
   const storage::MutexLock lock(look_mutex_);
   if (next_look_ == nullptr) return;  // draining
   const auto began = workers_.Now();
+  // First: a look can wait for changes of deleted databases.
+  if (began >= next_follow_) {
+    next_follow_ = began + kMinFollowPeriod;
+    for (const auto& follower : followers_) follower();
+  }
   const absl::Status looked = LookAtStore();
   if (looked.ok()) last_look_ = began;
   if (looked.ok() != std::exchange(sees_store_, looked.ok())) {
@@ -95,10 +100,6 @@ void Engine::Look() {
   if (looked.ok() && now >= next_purge_ && store_->maintenance().CheckIsWritable().ok()) {
     next_purge_ = now + kPurgePeriod;
     FreeDeletedDatabases();
-  }
-  if (now >= next_follow_) {
-    next_follow_ = now + kMinFollowPeriod;
-    for (const auto& follower : followers_) follower();
   }
   next_look_->Set(workers_.Now() + kLookPeriod, [this] { Look(); });
 }

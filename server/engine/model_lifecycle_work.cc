@@ -193,8 +193,12 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
   const auto done = Reprocess(
       services_.store, database_, services_.executor.Parallel(Pool::kBuilds),
       TermsOf(build.lease).fence, asked_time_us, progress, [&build] { return build.stopped(); });
-  // Another server may have the lease: then it continues, and this build must know that.
-  if (absl::IsAborted(done.status()) && build.lease != nullptr) build.lease->Renew();
+  if (absl::IsAborted(done.status()) && build.lease != nullptr) {
+    // Another server has the lease, and continues.
+    build.lease->Renew();
+    // The store cannot be reached now; the next attempt will find that out.
+    if (!build.lease->is_lost()) return absl::UnavailableError(done.status().message());
+  }
   if (!done.ok()) return done.status();
   build.derived = kDeriveShare;
   return fmt::format("clips derived again: {}, changed: {}, failed: {}", done->clips, done->changed,

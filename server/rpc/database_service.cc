@@ -33,11 +33,8 @@ absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& r
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
                             call.engine.CreateDatabase(request.database_id(), settings, marker_set,
                                                        {&audit, call.cancelled}));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto revision,
-                            call.engine.store().annotations().Revision(record.name));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(record.name));
   SetDatabase(record, *live, *response.mutable_database());
-  response.mutable_database()->set_revision(revision);
   return absl::OkStatus();
 }
 

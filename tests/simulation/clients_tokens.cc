@@ -75,14 +75,12 @@ void Clients::RevokeLastToken() {
   // Each change causes looks at the store, which must not put off what the servers do each second.
   for (const auto& [id, life] : history_.lives()) {
     if (life.is_deleted) continue;
-    for (int change = 0; change < 1; ++change) {
-      ++running_;
-      const auto set_label = [this, database = life.name] {
-        SetLabel(database, "last").IgnoreError();
-        --running_;
-      };
-      World::Current().Start(nullptr, set_label, World::Current().Between({}, kMaxRevocation));
-    }
+    ++running_;
+    const auto set_label = [this, database = life.name] {
+      SetLabel(database, "last").IgnoreError();
+      --running_;
+    };
+    World::Current().Start(nullptr, set_label, World::Current().Between({}, kMaxRevocation));
   }
   ++running_;
   World::Current().Start(nullptr, [this] {

@@ -160,6 +160,7 @@ TEST_CASE("DatabaseService: the revision grows with each change", "[server][rpc]
   server.CreateDatabase("other");
   const auto stub = server.NewStub<v1::DatabaseService>();
   const auto before = Get(*stub, "databases/db").response.database().revision();
+  CHECK(before == 0);  // as the answer of CreateDatabase
   server.Wait(server.IngestFigure("db", "walk", "walk", {.frame_count = 60}).operation().name());
   const auto after = Get(*stub, "databases/db").response.database().revision();
   CHECK(after > before);

@@ -1,5 +1,6 @@
 """A real PostgreSQL cluster in a temporary folder, and servers on it."""
 
+import contextlib
 import glob
 import os
 import pwd
@@ -87,7 +88,8 @@ class Cluster:
         self.process.send_signal(signal_number)
         with open(f"/proc/{process}/task/{process}/children", encoding="ascii") as children:
             for child in children.read().split():
-                os.kill(int(child), signal_number)
+                with contextlib.suppress(ProcessLookupError):  # it has just ended
+                    os.kill(int(child), signal_number)
 
     def url(self, database="postgres"):
         return f"postgresql://motiondb:{PASSWORD}@/{database}?host={self.folder.name}"

@@ -246,11 +246,14 @@ export class Shell {
   }
 
   private async leave(): Promise<void> {
+    this.closeView(); // the server would refuse its calls
+    let failure: unknown;
     try {
       await logOut();
-      await this.start();
     } catch (error) {
-      this.banner.error(error);
+      failure = error;
     }
+    await this.start();
+    if (failure !== undefined) this.banner.error(failure);
   }
 }

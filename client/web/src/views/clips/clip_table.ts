@@ -30,6 +30,9 @@ export interface ClipTableOptions {
 // The clips of a page.
 export class ClipTable {
   readonly node = element('div', { class: 'table-scroll' });
+  // Id of the clip with the button `Really delete`; empty: none.
+  private asked = '';
+  private drawing = false;
 
   constructor(private readonly options: ClipTableOptions) {}
 
@@ -37,6 +40,7 @@ export class ClipTable {
   draw(clips: readonly Clip[], orderBy: string | null): void {
     const { thumbnails, remove } = this.options;
     thumbnails.clear();
+    if (!clips.some((clip) => lastPart(clip.name) === this.asked)) this.asked = '';
     const head = element(
       'tr',
       {},
@@ -48,6 +52,7 @@ export class ClipTable {
         element('th', { scope: 'col' }, element('span', { class: 'visually-hidden' }, 'Actions')),
       );
     const body = element('tbody', {}, ...clips.map((clip) => this.row(clip)));
+    this.drawing = true;
     keepFocus(this.node, () => {
       replaceChildren(
         this.node,
@@ -55,6 +60,7 @@ export class ClipTable {
         clips.length === 0 && element('p', { class: 'hint' }, 'No clips.'),
       );
     });
+    this.drawing = false;
   }
 
   private heading(column: (typeof kColumns)[number], orderBy: string | null): HTMLElement {
@@ -113,25 +119,26 @@ export class ClipTable {
 
   // The first click asks, the second one deletes.
   private deleteButton(clip: Clip, id: string): HTMLElement {
-    let asked = false;
     const node = button(
       'Delete',
       () => {
-        if (asked) {
-          node.disabled = true;
-          this.options.remove?.(clip);
-        }
-        asked = true;
-        node.textContent = 'Really delete';
-        node.setAttribute('aria-label', `Really delete ${id}`);
+        node.disabled = this.asked === id;
+        this.asked = node.disabled ? '' : id;
+        show();
+        if (node.disabled) this.options.remove?.(clip);
       },
-      { 'aria-label': `Delete ${id}`, 'data-key': `delete ${id}` },
+      { 'data-key': `delete ${id}` },
     );
+    const show = () => {
+      node.textContent = this.asked === id ? 'Really delete' : 'Delete';
+      node.setAttribute('aria-label', `${node.textContent} ${id}`);
+    };
     node.addEventListener('blur', () => {
-      asked = false;
-      node.textContent = 'Delete';
-      node.setAttribute('aria-label', `Delete ${id}`);
+      if (this.drawing) return;
+      this.asked = '';
+      show();
     });
+    show();
     return node;
   }
 }

@@ -30,7 +30,7 @@ export class SegmentPanel {
   private readonly notice = new Notice();
   private selected = '';
   private running = 0;
-  private waiting: WatchDatabaseResponse[] = [];
+  private waiting: (readonly WatchDatabaseResponse[])[] = [];
 
   constructor(private readonly options: SegmentPanelOptions) {
     const { clock } = options;
@@ -87,7 +87,7 @@ export class SegmentPanel {
   follow(changes: readonly WatchDatabaseResponse[]): void {
     if (this.running > 0) {
       // Can be the echo of the change that runs.
-      this.waiting.push(...changes);
+      this.waiting.push(changes);
       return;
     }
     if (changes.length > 0 && !changes.some((change) => this.store.isNew(change))) return;
@@ -223,7 +223,10 @@ export class SegmentPanel {
       })
       .finally(() => {
         --this.running;
-        if (this.running === 0 && this.waiting.length > 0) this.follow(this.waiting.splice(0));
+        if (this.running > 0 || this.waiting.length === 0) return;
+        const waiting = this.waiting.splice(0);
+        const missed = waiting.some((changes) => changes.length === 0);
+        this.follow(missed ? [] : waiting.flat());
       });
   }
 

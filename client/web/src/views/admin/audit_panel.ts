@@ -1,5 +1,6 @@
 import { Code } from '@connectrpc/connect';
 import type { AuditEntry } from '../../api/messages';
+import { NewestCall } from '../../api/newest_call';
 import type { Disposer } from '../../dom/disposer';
 import { button, element, replaceChildren } from '../../dom/element';
 import { count, time } from '../../dom/format';
@@ -12,6 +13,7 @@ const kPageSize = 50;
 // The audit log, newest first.
 export class AuditPanel {
   readonly node: HTMLElement;
+  private readonly reading: NewestCall;
   private readonly notice = new Notice();
   private readonly list = element('div');
   private readonly older: HTMLButtonElement;
@@ -20,8 +22,9 @@ export class AuditPanel {
 
   constructor(
     private readonly context: ViewContext,
-    private readonly disposer: Disposer,
+    disposer: Disposer,
   ) {
+    this.reading = new NewestCall(disposer.signal);
     this.older = button('Older entries', () => void this.read());
     const refresh = button('Refresh', () => {
       this.entries = [];
@@ -40,18 +43,20 @@ export class AuditPanel {
   }
 
   private async read(): Promise<void> {
+    const signal = this.reading.begin();
     try {
       const page = await this.context.api.access.listAuditEntries(
         { pageSize: kPageSize, pageToken: this.next },
-        { signal: this.disposer.signal },
+        { signal },
       );
+      if (signal.aborted) return;
       this.notice.clear();
       this.entries.push(...page.entries);
       this.next = page.nextPageToken;
       this.draw();
     } catch (error) {
-      this.notice.error(error);
-      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.read());
+      if (!signal.aborted) this.notice.error(error);
+      this.context.connection.whenRestored(error, signal, () => void this.read());
     }
   }
 

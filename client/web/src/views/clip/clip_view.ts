@@ -2,6 +2,7 @@ import '../../style/clip.css';
 import { Code } from '@connectrpc/connect';
 import { hasCode } from '../../api/errors';
 import type { Clip, WatchDatabaseResponse } from '../../api/messages';
+import { NewestCall } from '../../api/newest_call';
 import { clipName, isClipId } from '../../api/resource_names';
 import { mayActAs } from '../../api/session';
 import { Disposer } from '../../dom/disposer';
@@ -36,6 +37,7 @@ export const open: OpenView = (host, context, params) => {
 
 class ClipView {
   private readonly disposer = new Disposer();
+  private readonly starting = new NewestCall(this.disposer.signal);
   private readonly notice = new Notice();
   private readonly stages = element('div', { class: 'stages' });
   private readonly below = element('div', { class: 'stack' });
@@ -77,16 +79,14 @@ class ClipView {
       this.notice.error(new Error(`Expected the id of a clip, got '${this.id}'.`));
       return;
     }
+    const signal = this.starting.begin();
     try {
       const name = clipName(this.params.database, this.id);
-      const { clip } = await this.context.api.clips.getClip(
-        { name },
-        { signal: this.disposer.signal },
-      );
-      if (clip && !this.disposer.disposed) this.show(clip);
+      const { clip } = await this.context.api.clips.getClip({ name }, { signal });
+      if (clip && !signal.aborted) this.show(clip);
     } catch (error) {
-      this.notice.error(error, [button('Try again', () => void this.start())]);
-      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.start());
+      if (!signal.aborted) this.notice.error(error, [button('Try again', () => void this.start())]);
+      this.context.connection.whenRestored(error, signal, () => void this.start());
     }
   }
 

@@ -1,3 +1,4 @@
+import { NewestCall } from '../../api/newest_call';
 import { clipName, databaseName, lastPart } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
 import { button, element, labelled } from '../../dom/element';
@@ -17,6 +18,7 @@ export class ComparePanel {
   private readonly names = element('datalist', { id: 'compare-clips' });
   private readonly offset: HTMLInputElement;
   private readonly align: HTMLButtonElement;
+  private readonly opening: NewestCall;
   private pane: MotionPane | undefined;
 
   constructor(
@@ -27,6 +29,7 @@ export class ComparePanel {
     private readonly stages: HTMLElement,
     private readonly first: MotionPane,
   ) {
+    this.opening = new NewestCall(disposer.signal);
     this.clip = element('input', {
       list: this.names.id,
       value: params.query.get('with') ?? '',
@@ -104,6 +107,7 @@ export class ComparePanel {
   }
 
   private async openClip(): Promise<void> {
+    const signal = this.opening.begin();
     this.pane?.dispose();
     this.pane = undefined;
     this.align.disabled = true;
@@ -113,10 +117,9 @@ export class ComparePanel {
     this.stages.classList.toggle('pair', id !== '');
     if (id === '') return;
     try {
-      const { signal } = this.disposer;
       const name = clipName(this.params.database, id);
       const { clip } = await this.context.api.clips.getClip({ name }, { signal });
-      if (!clip || signal.aborted || this.clip.value.trim() !== id) return;
+      if (!clip || signal.aborted) return;
       const parts = kStageParts.filter((part) => this.first.stage.has(part));
       const pane: MotionPane = new MotionPane(
         this.context,
@@ -140,9 +143,10 @@ export class ComparePanel {
       this.linkCameras(pane);
       void pane.load();
     } catch (error) {
+      if (signal.aborted) return;
       this.stages.classList.remove('pair');
       this.notice.error(error);
-      this.context.connection.whenRestored(error, this.disposer.signal, () => void this.openClip());
+      this.context.connection.whenRestored(error, signal, () => void this.openClip());
     }
   }
 

@@ -1,4 +1,5 @@
 import { describeError } from '../../api/errors';
+import { NewestCall } from '../../api/newest_call';
 import { button, element } from '../../dom/element';
 import { Notice } from '../../dom/notice';
 import type { Motion } from '../../motion/motion';
@@ -17,6 +18,7 @@ export class MotionPane {
   readonly node: HTMLElement;
   readonly stage: MotionStage;
   motion: Motion | undefined;
+  private readonly attempts: NewestCall;
   private readonly notice = new Notice();
   private readonly loading = element('progress', {
     max: 1,
@@ -30,9 +32,10 @@ export class MotionPane {
     private readonly etag: string,
     title: string,
     parts: readonly StagePart[],
-    private readonly signal: AbortSignal,
+    signal: AbortSignal,
     private readonly events: MotionPaneEvents,
   ) {
+    this.attempts = new NewestCall(signal);
     this.stage = new MotionStage(
       context.theme,
       `Motion of clip ${title} in three dimensions`,
@@ -48,13 +51,14 @@ export class MotionPane {
   }
 
   async load(): Promise<void> {
+    const signal = this.attempts.begin();
     this.notice.clear();
     this.loading.hidden = false;
     try {
       const motion = await this.context.motions.load(
         this.clip,
         this.etag,
-        this.signal,
+        signal,
         (started) => {
           this.motion = started;
           this.stage.setMotion(started);
@@ -64,15 +68,16 @@ export class MotionPane {
           this.loading.value = part.receivedFrames / Math.max(1, part.frameCount);
         },
       );
-      if (this.signal.aborted) return;
+      if (signal.aborted) return;
       this.loading.hidden = true;
       this.stage.complete();
       this.events.completed(motion);
     } catch (error) {
+      if (signal.aborted) return;
       this.loading.hidden = true;
-      if (describeError(error) && !this.signal.aborted) {
+      if (describeError(error)) {
         this.notice.error(error, [button('Try again', () => void this.load())]);
-        this.context.connection.whenRestored(error, this.signal, () => void this.load());
+        this.context.connection.whenRestored(error, signal, () => void this.load());
       }
     }
   }

@@ -12,6 +12,11 @@ export function currentModelName(databaseId: string): string {
   return `databases/${databaseId}/models/current`;
 }
 
+// A version of the model; 0 is a model that is not stored yet.
+export function modelName(databaseId: string, version: number): string {
+  return version === 0 ? currentModelName(databaseId) : `databases/${databaseId}/models/${version}`;
+}
+
 // Last part of a resource name.
 export function lastPart(name: string): string {
   return name.slice(name.lastIndexOf('/') + 1);

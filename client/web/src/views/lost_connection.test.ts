@@ -88,7 +88,7 @@ test('mean pose of a node', async () => {
   };
   const context = contextOf({ views });
   const poses = new NodePoses(context.api, 'demo', new AbortController().signal);
-  const panel = new NodePanel(poses, context.connection);
+  const panel = new NodePanel(poses, context.connection, vi.fn());
   const nodes = { ids: [4], frameCounts: [20], labelFractions: [1], mainClips: [0] };
   const header = { layer: 2, modelVersion: 1, labels: ['walk'], clips: ['databases/demo/clips/a'] };
   panel.show({ header, nodes } as unknown as StateMap, 0);

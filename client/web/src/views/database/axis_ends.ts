@@ -45,7 +45,7 @@ export class AxisEnds {
     const turn = ++this.turn;
     const ends = axisEnds(map, axes);
     const ids = ends.map(({ node }) => map.nodes.ids[node]!);
-    const poses = ids.length > 0 ? await this.poses.load(map.header.layer, ids) : [];
+    const poses = ids.length > 0 ? await this.poses.load(map.header, ids) : [];
     if (turn !== this.turn) return;
     const figures = ends.flatMap(({ axis, end, node }, i) => {
       const pose = poses[i];

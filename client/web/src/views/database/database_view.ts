@@ -14,7 +14,7 @@ import { loadMap } from './map_loader';
 import { MapPanel } from './map_panel';
 import { queryOf, settingsOf, type MapSettings } from './map_settings';
 import { NodeList } from './node_list';
-import { describeNode, NodePanel } from './node_panel';
+import { describeNode, NodePanel, showPoseError } from './node_panel';
 import { NodePoses } from './node_poses';
 import type { StateMap } from './state_map';
 
@@ -65,7 +65,7 @@ class DatabasePage implements View {
         : [...hiddenLabels, label];
       this.change({ hiddenLabels: hidden });
     });
-    this.nodePanel = new NodePanel(this.poses, context.connection);
+    this.nodePanel = new NodePanel(this.poses, context.connection, () => void this.load());
     this.axisEnds = new AxisEnds(this.poses);
     this.nodeList = new NodeList((node) => {
       this.choose(node);
@@ -148,7 +148,7 @@ class DatabasePage implements View {
       this.panel.node.setAttribute('aria-busy', 'true');
       const maxPoints = points ? kMaxPoints : 0;
       const map = await loadMap(this.context.api, { ...request, maxPoints }, signal);
-      if (this.map && this.map.header.modelVersion !== map.header.modelVersion) this.poses.clear();
+      if (this.map && this.map.header.modelVersion !== map.header.modelVersion) this.forgetNode();
       this.map = map;
       this.notice.clear();
       this.draw();
@@ -162,6 +162,13 @@ class DatabasePage implements View {
     } finally {
       if (!signal.aborted) this.panel.node.removeAttribute('aria-busy');
     }
+  }
+
+  // The ids of nodes are those of one model.
+  private forgetNode(): void {
+    this.nodePanel.clear();
+    this.settings.node = undefined;
+    this.context.setQuery(queryOf(this.settings));
   }
 
   private draw(): void {
@@ -186,7 +193,7 @@ class DatabasePage implements View {
     const parts = map.header.varianceFractions.map((part, i) => `${i + 1}: ${percent(part)}`);
     this.variance.textContent = `Variance along the principal axes: ${parts.join(', ')}`;
     this.axisEnds.show(map, settings.axes).catch((error: unknown) => {
-      this.notice.error(error);
+      showPoseError(this.notice, error, () => void this.load());
       this.context.connection.whenRestored(error, this.disposer.signal, () => void this.load());
     });
   }

@@ -1,5 +1,6 @@
 import type { Connection } from '../../api/connection';
-import { element, replaceChildren } from '../../dom/element';
+import { describeError } from '../../api/errors';
+import { button, element, replaceChildren } from '../../dom/element';
 import { count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import { posePicture } from '../../drawing/pose_picture';
@@ -8,12 +9,13 @@ import type { NodePoses } from './node_poses';
 import type { StateMap } from './state_map';
 
 const kWait = 60;
+const kHint = 'Point at a node, or choose one below.';
 const kView = { width: 200, height: 220, turn: 0.6 };
 
 // The node under the pointer or the chosen one: its numbers and its mean pose, with velocities.
 export class NodePanel {
   readonly node = element('section', { class: 'panel node-panel', 'aria-label': 'Node' });
-  private readonly facts = element('p', { class: 'hint' }, 'Point at a node, or choose one below.');
+  private readonly facts = element('p', { class: 'hint' }, kHint);
   private readonly picture = element('div', { class: 'pose-host' });
   private readonly notice = new Notice();
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -23,6 +25,8 @@ export class NodePanel {
   constructor(
     private readonly poses: NodePoses,
     private readonly connection: Connection,
+    // Reads the map again.
+    private readonly readMap: () => void,
   ) {
     this.node.append(element('h2', {}, 'Mean pose'), this.facts, this.picture, this.notice.node);
   }
@@ -36,6 +40,15 @@ export class NodePanel {
     this.timer = setTimeout(() => void this.load(map, node, key), kWait);
   }
 
+  // Shows no node.
+  clear(): void {
+    this.shown = '';
+    clearTimeout(this.timer);
+    this.facts.textContent = kHint;
+    this.picture.replaceChildren();
+    this.notice.clear();
+  }
+
   close(): void {
     this.closing.abort();
     clearTimeout(this.timer);
@@ -44,17 +57,28 @@ export class NodePanel {
   private async load(map: StateMap, node: number, key: string): Promise<void> {
     try {
       const id = map.nodes.ids[node]!;
-      const [pose] = await this.poses.load(map.header.layer, [id]);
+      const [pose] = await this.poses.load(map.header, [id]);
       if (key !== this.shown || !pose) return;
       this.notice.clear();
       replaceChildren(this.picture, posePicture(pose, kView, `Mean pose of node ${id}`));
     } catch (error) {
-      this.notice.error(error);
+      if (key !== this.shown) return;
+      this.picture.replaceChildren();
+      showPoseError(this.notice, error, this.readMap);
       this.connection.whenRestored(error, this.closing.signal, () => {
         if (key === this.shown) void this.load(map, node, key);
       });
     }
   }
+}
+
+// Shows why there are no poses. Those of a model that was replaced cannot be read any more.
+export function showPoseError(notice: Notice, error: unknown, readMap: () => void): void {
+  if (describeError(error)?.reason !== 'MODEL_SUPERSEDED') notice.error(error);
+  else
+    notice.message('The model was built again. This map is of the old model.', [
+      button('Read the map again', readMap),
+    ]);
 }
 
 // Numbers of a node as text.

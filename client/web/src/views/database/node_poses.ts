@@ -1,10 +1,13 @@
 import type { Api } from '../../api/api';
-import { currentModelName, databaseName } from '../../api/resource_names';
+import { databaseName, modelName } from '../../api/resource_names';
 import { floatsOf } from '../../motion/motion';
 import type { Pose } from '../../drawing/pose_picture';
-import type { Bone } from '../../api/messages';
+import type { Bone, StateMapHeader } from '../../api/messages';
 
 const kMaxPoses = 500;
+
+// The model and layer of nodes.
+export type NodeLayer = Pick<StateMapHeader, 'modelVersion' | 'layer'>;
 
 // Mean poses of nodes, kept for the nodes used last.
 export class NodePoses {
@@ -17,36 +20,35 @@ export class NodePoses {
     private readonly signal: AbortSignal,
   ) {}
 
-  // Poses in the order of the nodes; unknown nodes are left out by the server with an error.
-  async load(layer: number, nodeIds: readonly number[]): Promise<Pose[]> {
-    const missing = [...new Set(nodeIds)].filter((id) => !this.poses.has(keyOf(layer, id)));
+  // Poses in the order of the nodes. Rejects for unknown nodes, and for a model that was replaced.
+  async load(of: NodeLayer, nodeIds: readonly number[]): Promise<Pose[]> {
+    const missing = [...new Set(nodeIds)].filter((id) => !this.poses.has(keyOf(of, id)));
     if (missing.length > 0) {
       const [bones, response] = await Promise.all([
         this.loadBones(),
         this.api.views.getNodePoses(
-          { parent: currentModelName(this.database), layer, nodeIds: missing },
+          {
+            parent: modelName(this.database, of.modelVersion),
+            layer: of.layer,
+            nodeIds: missing,
+          },
           { signal: this.signal },
         ),
       ]);
       for (const pose of response.poses) {
-        this.poses.set(keyOf(layer, pose.nodeId), {
+        this.poses.set(keyOf(of, pose.nodeId), {
           positions: floatsOf(pose.markerPositions),
           velocities: floatsOf(pose.markerVelocities),
           bones,
         });
       }
     }
-    const found = nodeIds.flatMap((id) => this.poses.get(keyOf(layer, id)) ?? []);
+    const found = nodeIds.flatMap((id) => this.poses.get(keyOf(of, id)) ?? []);
     for (const key of this.poses.keys()) {
       if (this.poses.size <= kMaxPoses) break;
       this.poses.delete(key);
     }
     return found;
-  }
-
-  // Forgets all poses: the model has changed.
-  clear(): void {
-    this.poses.clear();
   }
 
   private loadBones(): Promise<readonly Bone[]> {
@@ -63,6 +65,6 @@ export class NodePoses {
   }
 }
 
-function keyOf(layer: number, node: number): string {
-  return `${layer}:${node}`;
+function keyOf({ modelVersion, layer }: NodeLayer, node: number): string {
+  return `${modelVersion}:${layer}:${node}`;
 }

@@ -1,6 +1,6 @@
 import { element, labelled } from '../../dom/element';
 import { normalAngle, type FloorPosition } from './floor_geometry';
-import type { PlanSettings } from './plan_settings';
+import { kPlanLimits, type PlanSettings } from './plan_settings';
 
 // The numbers of a plan: start, goal, alternatives, robot.
 export class PlanForm {
@@ -29,18 +29,29 @@ export class PlanForm {
       value: settings.clip,
       placeholder: 'standing still',
     });
-    this.time = element('input', { ...number, min: 0, value: settings.time });
+    this.time = element('input', {
+      ...number,
+      min: 0,
+      max: kPlanLimits.time,
+      value: settings.time,
+    });
     this.x = element('input', { ...number, value: goal.x });
     this.y = element('input', { ...number, value: goal.y });
     this.heading = element('input', { ...number, value: degrees(goal.heading) });
     this.alternatives = element('input', {
       ...number,
       min: 0,
-      max: 10,
+      max: kPlanLimits.alternatives,
       step: 1,
       value: settings.alternatives,
     });
-    this.seed = element('input', { ...number, min: 0, step: 1, value: settings.seed });
+    this.seed = element('input', {
+      ...number,
+      min: 0,
+      max: kPlanLimits.seed,
+      step: 1,
+      value: settings.seed,
+    });
     this.filter = element('input', { value: settings.filter, placeholder: 'label = walk' });
     this.paper = element('input', { type: 'checkbox', checked: settings.paper });
     this.node = element(
@@ -87,16 +98,17 @@ export class PlanForm {
   private values(): Partial<PlanSettings> {
     const numberOf = (input: HTMLInputElement, other: number) =>
       Number.isFinite(input.valueAsNumber) ? input.valueAsNumber : other;
+    const limited = (value: number, most: number) => Math.min(most, Math.max(0, value));
     return {
       clip: this.clip.value.trim(),
-      time: Math.max(0, numberOf(this.time, 0)),
+      time: limited(numberOf(this.time, 0), kPlanLimits.time),
       goal: {
         x: numberOf(this.x, 0),
         y: numberOf(this.y, 0),
         heading: normalAngle((numberOf(this.heading, 0) * Math.PI) / 180),
       },
-      alternatives: Math.min(10, Math.max(0, Math.round(numberOf(this.alternatives, 2)))),
-      seed: Math.max(0, Math.round(numberOf(this.seed, 0))),
+      alternatives: limited(Math.round(numberOf(this.alternatives, 2)), kPlanLimits.alternatives),
+      seed: limited(Math.round(numberOf(this.seed, 0)), kPlanLimits.seed),
       filter: this.filter.value.trim(),
       paper: this.paper.checked,
     };

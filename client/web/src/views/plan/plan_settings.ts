@@ -20,18 +20,21 @@ export interface PlanSettings {
   motion: number;
 }
 
+// The largest numbers; the smallest ones are 0.
+export const kPlanLimits = { time: 1e6, alternatives: 10, seed: 4294967295 };
+
 export function planSettingsOf(query: URLSearchParams): PlanSettings {
   return {
     clip: query.get('clip') ?? '',
-    time: numberOf(query.get('time'), 0, 1e6) ?? 0,
+    time: numberOf(query.get('time'), kPlanLimits.time) ?? 0,
     start: poseOf(query.get('start') ?? '') ?? { x: 0, y: 0, heading: 0 },
     goal: poseOf(query.get('goal') ?? '') ?? { x: 2, y: 1, heading: 0 },
     obstacles: obstaclesOf(query.get('obstacles') ?? ''),
-    alternatives: Math.round(numberOf(query.get('alternatives'), 0, 10) ?? 2),
-    seed: Math.round(numberOf(query.get('seed'), 0, 4294967295) ?? 0),
+    alternatives: Math.round(numberOf(query.get('alternatives'), kPlanLimits.alternatives) ?? 2),
+    seed: Math.round(numberOf(query.get('seed'), kPlanLimits.seed) ?? 0),
     filter: query.get('filter') ?? '',
     paper: query.get('method') === 'paper',
-    motion: Math.round(numberOf(query.get('motion'), 0, 10) ?? 0),
+    motion: Math.round(numberOf(query.get('motion'), kPlanLimits.alternatives) ?? 0),
   };
 }
 
@@ -63,7 +66,7 @@ export function queryOfPlan(settings: PlanSettings): Record<string, string | num
   };
 }
 
-function numberOf(text: string | null, low: number, high: number): number | undefined {
+function numberOf(text: string | null, most: number): number | undefined {
   const value = text === null || text.trim() === '' ? NaN : Number(text);
-  return value >= low && value <= high ? value : undefined;
+  return value >= 0 && value <= most ? value : undefined;
 }

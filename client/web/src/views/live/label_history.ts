@@ -9,6 +9,8 @@ export interface LabelMoment {
   // Probability of the label, or of unknown motion.
   probability: number;
   unknown: boolean;
+  // The stream was not watched between this moment and the next one.
+  beforeGap?: boolean;
 }
 
 // The most probable label of an answer; unknown if that is more probable than each label.
@@ -30,6 +32,12 @@ export class LabelHistory {
 
   get all(): readonly LabelMoment[] {
     return this.moments;
+  }
+
+  // The stream is not watched from the last moment to the next one.
+  interrupt(): void {
+    const last = this.moments.at(-1);
+    if (last) last.beforeGap = true;
   }
 
   // Adds a moment. A stream that begins again at an earlier time empties the history.

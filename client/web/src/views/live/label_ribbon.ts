@@ -5,6 +5,8 @@ import type { LabelMoment } from './label_history';
 
 const kWidth = 1200;
 const kHeight = 40;
+// Length of a moment without a next one.
+const kLastSeconds = 0.05;
 
 // Labels over the last seconds, the newest at the right. The height is the probability; hatching is
 // unknown motion.
@@ -36,7 +38,8 @@ export class LabelRibbon {
     context.clearRect(0, 0, kWidth, kHeight);
     const scale = kWidth / this.lengthSeconds;
     moments.forEach((moment, index) => {
-      const next = moments[index + 1]?.time ?? moment.time + 0.05;
+      const following = moment.beforeGap === true ? undefined : moments[index + 1];
+      const next = following?.time ?? moment.time + kLastSeconds;
       const x = kWidth - (last.time - moment.time) * scale;
       const height = kHeight * Math.min(Math.max(moment.probability, 0.04), 1);
       context.fillStyle = this.theme.color(

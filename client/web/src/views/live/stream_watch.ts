@@ -80,6 +80,7 @@ export class StreamWatch {
         await this.openStage();
         const name = `${databaseName(this.database)}/streams/${this.stream}`;
         await whileVisible(signal, async (visible) => {
+          this.history.interrupt();
           const { observe } = this.context.api;
           for await (const response of observe.watchStream({ name }, { signal: visible })) {
             this.notice.clear();

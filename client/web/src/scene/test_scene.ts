@@ -2,9 +2,12 @@
 import { Scene as ThreeScene, type InstancedMesh } from 'three';
 import type { Scene } from './scene';
 
-export function testScene(): { root: ThreeScene; scene: Scene } {
+export function testScene(color: (name: string) => string = () => '#808080'): {
+  root: ThreeScene;
+  scene: Scene;
+} {
   const root = new ThreeScene();
-  const theme = { color: () => '#808080' };
+  const theme = { color };
   const scene = {
     root,
     theme,

@@ -1,4 +1,4 @@
-import type { Mapping, SourcePoint, UploadClipResponse } from '../../api/messages';
+import type { Mapping, MarkerSet, SourcePoint, UploadClipResponse } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { button, element } from '../../dom/element';
 import { Notice } from '../../dom/notice';
@@ -18,7 +18,6 @@ export class MappingEditor {
   private readonly notice = new Notice();
   private readonly abort = new AbortController();
   private readonly inputs: { marker: string; input: HTMLInputElement }[] = [];
-  private mappings: readonly Mapping[] = [];
   private scene: Scene | undefined;
   private parts: { dispose(): void }[] = [];
   private figure: FigureObject | undefined;
@@ -88,12 +87,8 @@ export class MappingEditor {
 
   private async readRules(): Promise<void> {
     try {
-      const { markerSet } = await this.context.api.markerSets.getMarkerSet(
-        { database: databaseName(this.database) },
-        { signal: this.abort.signal },
-      );
+      const markerSet = await this.readMarkerSet();
       if (!markerSet) return;
-      this.mappings = markerSet.mappings;
       const mapping = markerSet.mappings.find(
         (each: Mapping) => each.name === this.checked.mapping,
       );
@@ -107,6 +102,14 @@ export class MappingEditor {
     } catch (error) {
       this.notice.error(error);
     }
+  }
+
+  private async readMarkerSet(): Promise<MarkerSet | undefined> {
+    const { markerSet } = await this.context.api.markerSets.getMarkerSet(
+      { database: databaseName(this.database) },
+      { signal: this.abort.signal },
+    );
+    return markerSet;
   }
 
   private drawRules(rules: readonly MarkerRule[]): void {
@@ -147,20 +150,18 @@ export class MappingEditor {
     );
   }
 
-  // Adds the mapping to the database, under the name of the file.
+  // Adds the mapping to the database, under the name of the file. Other files can have added theirs.
   private async apply(): Promise<void> {
     this.notice.clear();
     const rules = this.inputs.map(({ marker, input }) => ({ marker, rule: input.value }));
+    const { points } = this.checked;
     try {
+      const mappings = (await this.readMarkerSet())?.mappings ?? [];
+      const name = mappingNameOf(this.fileName, rules, points, mappings);
       await this.context.api.markerSets.addMappings(
         {
           database: databaseName(this.database),
-          mappingFile: mappingFile(
-            mappingNameOf(this.fileName),
-            rules,
-            this.checked.points,
-            this.mappings,
-          ),
+          mappingFile: mappingFile(name, rules, points, mappings),
         },
         { signal: this.abort.signal },
       );

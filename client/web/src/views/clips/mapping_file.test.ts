@@ -52,5 +52,22 @@ test('equal weights sum to 1', () => {
 test('names', () => {
   expect(quoteName('a"b')).toBe('"a""b"');
   expect(pointsOf('1 r_foot offset r_foot 0 -0.02 0')).toEqual(['r_foot', 'r_foot']);
-  expect(mappingNameOf('dir/Walk 01.bvh.gz')).toBe('page-Walk_01');
+});
+
+test('the name of a mapping is that of the file, unless another rig has it', () => {
+  const rules = [{ marker: 'LHip', rule: 'pelvis' }];
+  const nameOf = (...stored: [name: string, signature: string[]][]) =>
+    mappingNameOf(
+      'dir/Walk 01.bvh.gz',
+      rules,
+      points,
+      stored.map(([name, signature]) => create(MappingSchema, { name, signature })),
+    );
+  expect(nameOf()).toBe('page-Walk_01');
+  expect(nameOf(['page-Walk_01', ['pelvis']])).toBe('page-Walk_01');
+  expect(nameOf(['page-Walk_01', ['Hips']])).toBe('page-Walk_01-2');
+  expect(nameOf(['page-Walk_01', ['Hips']], ['page-Walk_01-2', ['pelvis']])).toBe('page-Walk_01-2');
+  expect(nameOf(['page-Walk_01', ['Hips']], ['page-Walk_01-2', ['Root']])).toBe('page-Walk_01-3');
+  // The order of a signature means nothing; that of another mapping that fits is a part of it.
+  expect(nameOf(['page-Walk_01', ['tail', 'pelvis']], ['x', ['tail']])).toBe('page-Walk_01');
 });

@@ -34,15 +34,33 @@ export function rulesOf(
   });
 }
 
-// A file with one mapping. Its signature are all points of the motion that the rules name, and those
-// of the other `mappings` that fit: the server uses the mapping with the longest signature, of equally
-// long ones the one that was added last.
+// A file with one mapping.
 export function mappingFile(
   name: string,
   rules: readonly MarkerRule[],
   points: readonly SourcePoint[],
   mappings: readonly Mapping[],
 ): string {
+  const signature = signatureOf(name, rules, points, mappings);
+  return [
+    'motiondb-marker-set 1',
+    `mapping ${quoteName(name)}`,
+    `signature ${signature.map(quoteName).join(' ')}`,
+    ...rules
+      .filter(({ rule }) => rule.trim() !== '')
+      .map(({ marker, rule }) => `${quoteName(marker)} = ${rule.trim()}`),
+    '',
+  ].join('\n');
+}
+
+// All points of the motion that the rules name, and those of the other `mappings` that fit: the server
+// uses the mapping with the longest signature, of equally long ones the one that was added last.
+function signatureOf(
+  name: string,
+  rules: readonly MarkerRule[],
+  points: readonly SourcePoint[],
+  mappings: readonly Mapping[],
+): string[] {
   const names = new Set(points.map((point) => point.name));
   const markers = rules.map(({ marker }) => marker);
   const signatures = [
@@ -50,16 +68,7 @@ export function mappingFile(
     markers, // a motion with the markers of the set needs no mapping
   ].filter((signature) => signature.every((point) => names.has(point)));
   const signed = new Set([...rules.flatMap(({ rule }) => pointsOf(rule)), ...signatures.flat()]);
-  const used = points.filter((point) => signed.has(point.name));
-  return [
-    'motiondb-marker-set 1',
-    `mapping ${quoteName(name)}`,
-    `signature ${used.map((point) => quoteName(point.name)).join(' ')}`,
-    ...rules
-      .filter(({ rule }) => rule.trim() !== '')
-      .map(({ marker, rule }) => `${quoteName(marker)} = ${rule.trim()}`),
-    '',
-  ].join('\n');
+  return points.map((point) => point.name).filter((point) => signed.has(point));
 }
 
 // Names of the points in a rule.
@@ -68,8 +77,28 @@ export function pointsOf(rule: string): string[] {
   return words.filter((word) => Number.isNaN(Number(word)) && word !== 'offset').map(unquoteName);
 }
 
-// Name of a mapping for a file, as its last part without extensions.
-export function mappingNameOf(fileName: string): string {
+// Name of a mapping for a file: its last part without extensions. A number is added if one of the
+// stored `mappings` has this name and another signature, because it can be that of another rig.
+export function mappingNameOf(
+  fileName: string,
+  rules: readonly MarkerRule[],
+  points: readonly SourcePoint[],
+  mappings: readonly Mapping[],
+): string {
+  const base = plainNameOf(fileName);
+  for (let number = 1; ; ++number) {
+    const name = number === 1 ? base : `${base}-${number}`;
+    const stored = mappings.find((mapping) => mapping.name === name);
+    const signature = signatureOf(name, rules, points, mappings);
+    if (!stored || sorted(stored.signature) === sorted(signature)) return name;
+  }
+}
+
+function sorted(names: readonly string[]): string {
+  return JSON.stringify([...names].sort());
+}
+
+function plainNameOf(fileName: string): string {
   const stem = fileName.replace(/^.*\//, '').replace(/(\.[A-Za-z0-9]{1,5}){1,2}$/, '');
   return `page-${stem.replace(/[^A-Za-z0-9_-]+/g, '_').slice(0, 50)}`;
 }

@@ -2,10 +2,11 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { checkAccessibility, disableWebGL, newPage, shown } from './support/browser.mjs';
-import { recordDrawing, whenDrawn } from './support/drawing.mjs';
+import { distance, recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 import { clearNodes, placesOf, readMap } from './support/state_map.mjs';
+import { floatsOf } from './support/stream.mjs';
 
 async function open(t, query = '', options = {}, prepare = undefined) {
   const page = await newPage(t, options);
@@ -14,6 +15,20 @@ async function open(t, query = '', options = {}, prepare = undefined) {
   await shown(page);
   await page.locator('.map-controls output', { hasText: 'Layer' }).waitFor();
   return page;
+}
+
+// Places of the markers of a mean pose in its picture, px.
+async function posePlaces(layer, node) {
+  const request = { parent: 'databases/demo/models/current', layer, nodeIds: [node] };
+  const { body } = await call(setup.open, 'ViewService/GetNodePoses', request);
+  const values = floatsOf(body.poses[0].markerPositions);
+  const [width, height, turn] = [200, 220, 0.6];
+  const scale = (0.86 * height) / Math.max(...values.filter((_, i) => i % 3 === 2));
+  return Array.from({ length: values.length / 3 }, (_, marker) => {
+    const [x, y, z] = values.slice(3 * marker, 3 * marker + 3);
+    const across = Math.sin(turn) * x + Math.cos(turn) * y;
+    return [width / 2 + scale * across, 0.94 * height - scale * z];
+  });
 }
 
 test('a node is where the camera projects the mean that the server sends', async (t) => {
@@ -27,7 +42,18 @@ test('a node is where the camera projects the mean that the server sends', async
     const text = `Node ${map.ids[node]} of layer 5:`;
     await page.locator('.node-panel', { hasText: text }).waitFor();
   }
-  await page.locator('.node-panel svg.pose .marker').first().waitFor();
+  // The mean pose of the last one.
+  const [node] = clearNodes(places, 4).slice(-1);
+  const picture = page.getByRole('img', { name: `Mean pose of node ${map.ids[node]}`, exact: true });
+  await picture.waitFor();
+  const drawn = await picture
+    .locator('.marker')
+    .evaluateAll((markers) => markers.map((each) => [each.cx.baseVal.value, each.cy.baseVal.value]));
+  const expected = await posePlaces(5, map.ids[node]);
+  assert.ok(expected.length > 20);
+  assert.ok(distance(drawn.flat(), expected.flat()) < 0.01, `${drawn} instead of ${expected}`);
+  const { viewBox } = await picture.evaluate(({ viewBox: { baseVal: box } }) => ({ viewBox: [box.width, box.height] }));
+  assert.deepEqual(viewBox, [200, 220]);
 });
 
 test('Shift with arrow keys moves the map', async (t) => {
@@ -102,9 +128,37 @@ const linearOf = (text) =>
     return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
   });
 
-test('nodes have the colour of their label or clip in the legend', async (t) => {
+// Checks the drawn dots against their positions and clips, in any order. `colorOf`: linear colour of a
+// clip; undefined if it is not shown.
+function checkDots(drawn, positions, clips, colorOf) {
+  const key = (values, i) => values.slice(3 * i, 3 * i + 3).map(Math.fround).join();
+  const expected = new Map(); // colours by place: frames can be at the same place
+  let count = 0;
+  clips.forEach((clip, i) => {
+    const color = colorOf(clip);
+    if (!color) return;
+    ++count;
+    const at = key(positions, i);
+    expected.set(at, [...(expected.get(at) ?? []), color]);
+  });
+  const found = drawn.filter(({ kind, positions: places }) => kind === 'points' && places.length === 3 * count);
+  assert.equal(found.length, 1, `${count} dots`);
+  const [dots] = found;
+  for (let dot = 0; dot < count; ++dot) {
+    const at = key(dots.positions, dot);
+    const rest = expected.get(at);
+    assert.ok(rest, `a dot at ${at}`);
+    const color = dots.colors.slice(3 * dot, 3 * dot + 3);
+    const index = rest.findIndex((each) => distance(each, color) < 0.005);
+    assert.ok(index >= 0, `${color} instead of ${rest.join(' or ')} at ${at}`);
+    rest.splice(index, 1);
+  }
+}
+
+test('nodes and frames have the colour of their label or clip in the legend', async (t) => {
   const page = await open(t, '?layer=5', {}, recordDrawing);
-  const { header, mainClips, means } = await readMap('demo', 5, 20000);
+  const { header, mainClips, means, points, pointClips } = await readMap('demo', 5, 20000);
+  assert.ok(pointClips.length > 1000, `${pointClips.length} frames`);
   // Colours of the legend by name.
   const legend = async (item) =>
     new Map(
@@ -115,28 +169,23 @@ test('nodes have the colour of their label or clip in the legend', async (t) => 
         ]),
       ),
     );
-  const check = (names, colors) =>
-    whenDrawn(page, '.map canvas', (drawn) => {
-      const dots = drawn.find(({ kind, positions }) => kind === 'points' && positions.length === means.length);
-      assert.ok(dots, 'a dot for each node');
-      const key = (values, i) => values.slice(3 * i, 3 * i + 3).map(Math.fround).join();
-      const nodeAt = new Map(mainClips.map((_, node) => [key(means, node), node]));
-      const seen = new Set();
-      for (let dot = 0; dot < mainClips.length; ++dot) {
-        const node = nodeAt.get(key(dots.positions, dot));
-        assert.notEqual(node, undefined, `a node at ${key(dots.positions, dot)}`);
-        const name = names[mainClips[node]];
-        const expected = linearOf(colors.get(name));
-        expected.forEach((value, i) =>
-          assert.ok(Math.abs(dots.colors[3 * dot + i] - value) < 0.005, `${name}: ${expected}`),
-        );
-        seen.add(expected.join());
-      }
-      assert.equal(seen.size, new Set(mainClips.map((main) => names[main])).size);
-      assert.ok(seen.size >= 3, `${seen.size} colours`);
+  const check = (names, colors, hidden = undefined) => {
+    const linear = new Map([...colors].map(([name, color]) => [name, linearOf(color)]));
+    assert.ok(new Set([...linear.values()].map(String)).size >= 3, 'three colours');
+    const colorOf = (clip) => (names[clip] === hidden ? undefined : linear.get(names[clip]));
+    return whenDrawn(page, '.map canvas', (drawn) => {
+      checkDots(drawn, means, mainClips, colorOf);
+      checkDots(drawn, points, pointClips, colorOf);
     });
+  };
   const labels = header.labels.map((label) => label || '(no label)');
-  await check(labels, await legend('.legend-label'));
+  const labelColors = await legend('.legend-label');
+  await check(labels, labelColors);
+  // The frames of a label that is hidden are not drawn.
+  const hide = page.getByRole('group', { name: 'Legend' }).getByRole('button', { name: 'climb' });
+  await hide.click();
+  await check(labels, labelColors, 'climb');
+  await hide.click();
   assert.equal(await page.locator('.legend-clip').count(), 0);
   await page.locator('.map-controls').getByLabel('Colour').selectOption('clip');
   await page.locator('.legend-clip').first().waitFor();

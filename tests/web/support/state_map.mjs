@@ -7,8 +7,9 @@ const floats = (messages, part, field) =>
   messages.flatMap((message) => (message[part] ? floatsOf(message[part][field]) : []));
 
 /**
- * Header, node ids, main clips, means, semi-axes, transitions [from, to, probability] (node ids) and
- * points of a layer; undefined: the bottom layer. `clip`: id of the clip whose graph it is.
+ * Header, node ids, main clips, means, semi-axes, transitions [from, to, probability] (node ids),
+ * points and their clips of a layer; undefined: the bottom layer. `clip`: id of the clip whose graph
+ * it is.
  */
 export async function readMap(database, layer, maxPoints, clip = '') {
   const parent = `databases/${database}/models/current`;
@@ -24,6 +25,7 @@ export async function readMap(database, layer, maxPoints, clip = '') {
       (part?.fromNodeIds ?? []).map((from, i) => [from, part.toNodeIds[i], part.probabilities[i]]),
     ),
     points: floats(messages, 'points', 'positions'),
+    pointClips: messages.flatMap((m) => m.points?.clips ?? []),
   };
 }
 

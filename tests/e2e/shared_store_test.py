@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Two motiondbd on one PostgreSQL cluster: quotas, an imported database, and pgbouncer.
+"""Two motiondbd on one PostgreSQL cluster: quotas, imports, restores, and pgbouncer.
 
     shared_store_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -9,7 +9,6 @@ import unittest
 
 from postgres_cluster import FOLLOWED, WithCluster, main
 from programs import SLOWNESS, wait_for
-
 
 
 class SharedStore(WithCluster):
@@ -45,6 +44,25 @@ class SharedStore(WithCluster):
         self.assertEqual(len(b.ask("list", "d")), 4)
         wait_for(lambda: b.run(*query).returncode == 0, FOLLOWED, "the imported model answers")
         self.assertEqual(b.ask(*query), answer)
+
+    def test_a_restored_store_answers_on_all_servers(self):
+        a, b = self.serve(), self.serve()
+        self.fill(a)
+        self.await_same_model(a, b)
+        query = ["recognize", "d", self.clip(7, 40)]
+        answer = b.ask(*query)
+        a.ask_one("backup", self.path("store.mdb"))
+        a.ask("ingest", "d", self.clip(8), "--label", "moves")  # not in the backup
+        self.await_same_model(a, b)
+        a.ask("delete", "d", "--yes")
+        # Both may still serve the deleted database; the restored one has its name.
+        a.ask_one("restore", self.path("store.mdb"))
+        for server in (a, b):
+            self.assertEqual(len(server.ask("list", "d")), 4)
+            wait_for(lambda: server.run(*query).returncode == 0 and server.ask(*query) == answer,
+                     FOLLOWED, "the restored model answers")
+        b.ask("ingest", "d", self.clip(9), "--label", "moves")
+        self.assertEqual(len(a.ask("list", "d")), 5)
 
     def test_servers_share_a_store_through_pgbouncer(self):
         pooler = self.cluster.pool()

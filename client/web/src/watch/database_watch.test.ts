@@ -3,6 +3,7 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../api/api';
 import { watchDatabase } from './database_watch';
 import { pause } from './pause';
+import { setHidden } from './test_visibility';
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -11,11 +12,6 @@ afterEach(() => {
   vi.useRealTimers();
   vi.restoreAllMocks();
 });
-
-function setHidden(hidden: boolean) {
-  vi.spyOn(document, 'hidden', 'get').mockReturnValue(hidden);
-  document.dispatchEvent(new Event('visibilitychange'));
-}
 
 // Streams that send one change and stay open until they are aborted, or fail immediately.
 function apiOf(failure?: Code) {

@@ -2,6 +2,7 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Disposer } from '../../dom/disposer';
 import { recordRectangles } from '../../drawing/test_canvas';
 import type { ViewContext } from '../../shell/view';
+import { setHidden } from '../../watch/test_visibility';
 import { StreamWatch } from './stream_watch';
 
 vi.mock('../../chart/line_chart', () => ({
@@ -20,11 +21,6 @@ afterEach(() => {
   vi.useRealTimers();
   vi.restoreAllMocks();
 });
-
-function setHidden(hidden: boolean) {
-  vi.spyOn(document, 'hidden', 'get').mockReturnValue(hidden);
-  document.dispatchEvent(new Event('visibilitychange'));
-}
 
 test('the ribbon is empty for the time in which the page was hidden', async () => {
   const started = Date.now();

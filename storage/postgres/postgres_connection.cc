@@ -348,4 +348,10 @@ absl::Status CheckServerVersion(const PostgresConnection& connection) {
                                   connection.server_version() % 10000);
 }
 
+absl::StatusOr<bool> HasHidden(Connection& connection) {
+  Statement kept = connection.Query(fmt::format(
+      "SELECT 1 FROM build_lease WHERE holder LIKE 'import/%' AND expire_time_us > {}", kNowUs));
+  return kept.Step();
+}
+
 }  // namespace motiondb::storage

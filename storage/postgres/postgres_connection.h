@@ -132,4 +132,7 @@ class PostgresConnection final : public Connection {
 // FAILED_PRECONDITION if the version of PostgreSQL is not supported.
 absl::Status CheckServerVersion(const PostgresConnection& connection);
 
+// Returns whether a server keeps a hidden database (Connection::KeepHidden): it imports one.
+absl::StatusOr<bool> HasHidden(Connection& connection);
+
 }  // namespace motiondb::storage

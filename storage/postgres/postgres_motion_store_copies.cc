@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "storage/postgres/postgres_connection.h"
 #include "storage/postgres/postgres_motion_store.h"
 #include "storage/sql/sql_motion_store_work.h"
 #include "storage/sql/tables/copied_tables.h"
@@ -80,11 +81,8 @@ absl::Status PostgresMotionStore::ReplaceContent(Connection& backup,
         writer.Execute("LOCK TABLE database, token, audit IN SHARE ROW EXCLUSIVE MODE"));
     MOTIONDB_RETURN_IF_ERROR(CheckHasNoDatabases(writer));
     // Of any server.
-    MOTIONDB_ASSIGN_OR_RETURN(
-        const auto imports,
-        writer.QueryInteger("SELECT count(*) FROM build_lease WHERE holder LIKE 'import/%' AND "
-                            "expire_time_us > extract(epoch FROM clock_timestamp()) * 1000000"));
-    if (imports > 0 || !staged().IsEmpty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool has_hidden, HasHidden(writer));
+    if (has_hidden || !staged().IsEmpty()) {
       return core::FailedPrecondition(
           "a database is being imported: restore a backup into an empty store");
     }

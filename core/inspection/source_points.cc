@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "core/format/marker_set_file.h"
 #include "core/mapping/figure.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
@@ -36,7 +37,11 @@ absl::StatusOr<SourcePoints> FindSourcePoints(const MarkerScheme& scheme, const 
   const PointCloud cloud = SamplePoints(FullestFrame(motion), 1);
   MOTIONDB_ASSIGN_OR_RETURN(const BoundMapping mapping, BindMapping(fitted, cloud.names));
   SourcePoints found;
-  if (mapping.name != kOwnNamesMapping) found.mapping = mapping.name;
+  const auto written = std::ranges::find(fitted.mappings, mapping.name, &MarkerMapping::name);
+  if (written != fitted.mappings.end()) {
+    found.mapping = mapping.name;
+    found.mapping_text = WriteMapping(fitted.set, *written);
+  }
   for (int i = 0; i < cloud.count(); ++i) {
     SourcePoint& point = found.points.emplace_back();
     point.name = cloud.names[i];

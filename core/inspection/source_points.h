@@ -21,7 +21,8 @@ struct SourcePoint {
 
 struct SourcePoints {
   std::vector<SourcePoint> points;
-  std::string mapping;  // its name; empty: the points have the names of the markers
+  std::string mapping;       // its name; empty: the points have the names of the markers
+  std::string mapping_text;  // see WriteMapping
 };
 
 // Positions are those of the first frame with the most points: the first complete one, if there is

@@ -27,7 +27,7 @@ std::vector<std::string> MissingNames(const std::vector<std::string>& required,
 
 // Maps every marker to the point with the same name.
 MarkerMapping IdentityMapping(const MarkerSet& set) {
-  MarkerMapping mapping{kOwnNamesMapping, set.markers, {}};
+  MarkerMapping mapping{"own names", set.markers, {}};
   for (const std::string& marker : set.markers) {
     mapping.rules.push_back({{{marker, 1}}, "", Eigen::Vector3d::Zero()});
   }

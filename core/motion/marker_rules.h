@@ -25,10 +25,8 @@ struct BoundMapping {
   bool has_offsets = false;
 };
 
-// Name of the mapping of motion whose points have the names of the markers.
-inline constexpr char kOwnNamesMapping[] = "own names";
-
-// Returns the mapping with the largest signature among those that fit `names`, bound to them.
+// Returns the mapping with the largest signature among those that fit `names`, bound to them; the
+// mapping "own names", which is not in the scheme, if the points have the names of the markers.
 // INVALID_ARGUMENT if none fits (the message names what the closest mapping lacks) or if a rule
 // uses an unknown name.
 absl::StatusOr<BoundMapping> BindMapping(const MarkerScheme& scheme,

@@ -264,6 +264,7 @@ v1::OperationKind ToProto(storage::OperationKind kind) {
 
 void SetSourcePoints(const core::SourcePoints& points, v1::UploadClipResponse& message) {
   message.set_mapping(text::ValidUtf8(points.mapping));
+  message.set_mapping_text(text::ValidUtf8(points.mapping_text));
   for (const core::SourcePoint& point : points.points) {
     v1::SourcePoint& to = *message.add_points();
     to.set_name(text::ValidUtf8(point.name));

@@ -6,8 +6,11 @@
 #include <limits>
 #include <string>
 
+#include "core/format/marker_set_file.h"
 #include "core/format/motion_file.h"
+#include "core/mapping/fit_scheme.h"
 #include "core/motion/marker_set.h"
+#include "tests/core/format/same_scheme.h"
 #include "tests/support/humanoid_bvh.h"
 
 namespace motiondb::tests::source_points_test {
@@ -52,6 +55,24 @@ TEST_CASE("FindSourcePoints: joints, their parents, and the markers computed fro
   }
 }
 
+TEST_CASE("FindSourcePoints: the mapping as text is the one that is used", "[core][inspection]") {
+  const core::MarkerScheme& standard = core::StandardScheme();
+  // An automatic mapping and, if it is stored in the set, the mapping with its name.
+  core::Motion motion = Humanoid();
+  const auto fitted = core::FitScheme(standard, motion, core::FitFor::kClip);
+  REQUIRE(fitted.ok());
+  for (const core::MarkerScheme& scheme : {standard, *fitted}) {
+    const auto found = core::FindSourcePoints(scheme, motion);
+    REQUIRE(found.ok());
+    const auto read = core::ReadMappings(
+        {"text", "motiondb-marker-set 1\nextend standard34\n" + found->mapping_text}, standard);
+    INFO(read.status());
+    REQUIRE(read.ok());
+    REQUIRE(read->size() == 1);
+    CheckSame(read->front(), fitted->mappings.front());
+  }
+}
+
 TEST_CASE("FindSourcePoints: markers of the first complete frame", "[core][inspection]") {
   core::MarkerMotion motion = StandardMarkers();
   motion.positions_m.row(0).segment(3, 3).setConstant(kMissing);
@@ -59,6 +80,7 @@ TEST_CASE("FindSourcePoints: markers of the first complete frame", "[core][inspe
   const auto found = core::FindSourcePoints(core::StandardScheme(), motion);
   REQUIRE(found.ok());
   CHECK(found->mapping.empty());  // the markers' own names
+  CHECK(found->mapping_text.empty());
   REQUIRE(found->points.size() == motion.names.size());
   for (std::size_t m = 0; m < motion.names.size(); ++m) {
     const core::SourcePoint& point = found->points[m];

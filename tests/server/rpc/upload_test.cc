@@ -224,6 +224,7 @@ TEST_CASE("UploadClip: the points of the file and the markers that they become",
   const v1::UploadClipResponse checked = Uploaded(server, request);
   CHECK(checked.operation().name().empty());
   CHECK(!checked.mapping().empty());
+  CHECK_THAT(checked.mapping_text(), Catch::Contains("LKnee = 1 LeftLeg\n"));
   CHECK(StoredClips(server, "db") == 0);
 
   REQUIRE(!checked.points().empty());

@@ -1,4 +1,4 @@
-import type { Mapping, MarkerSet, SourcePoint, UploadClipResponse } from '../../api/messages';
+import type { MarkerSet, SourcePoint, UploadClipResponse } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { button, element } from '../../dom/element';
 import { Notice } from '../../dom/notice';
@@ -89,16 +89,8 @@ export class MappingEditor {
     try {
       const markerSet = await this.readMarkerSet();
       if (!markerSet) return;
-      const mapping = markerSet.mappings.find(
-        (each: Mapping) => each.name === this.checked.mapping,
-      );
-      if (!mapping && this.checked.mapping !== '')
-        this.notice.message(
-          'The server found this mapping automatically. The rules here give the points of a marker ' +
-            'equal weights, unlike the server. The exact rules, to add them: ' +
-            'motiondb inspect FILE --write-mapping MAPPING',
-        );
-      this.drawRules(rulesOf(markerSet.markerNames, this.checked.points, mapping));
+      const { points, mappingText } = this.checked;
+      this.drawRules(rulesOf(markerSet.markerNames, points, mappingText));
     } catch (error) {
       this.notice.error(error);
     }

@@ -9,15 +9,12 @@ const points = [
   create(SourcePointSchema, { name: 'tail' }),
 ];
 
-test('takes the rules of the mapping, otherwise equal weights', () => {
-  const mapping = create(MappingSchema, {
-    name: 'robot',
-    text: 'mapping robot\nsignature pelvis\nLKnee = 0.9 "l thigh" + 0.1 pelvis # near\n',
-  });
-  expect(rulesOf(['LHip', 'LKnee', 'Head'], points, mapping)).toEqual([
-    { marker: 'LHip', rule: '0.5 pelvis + 0.5 "l thigh"' },
+test('takes the rules of the mapping, otherwise the point with the name of the marker', () => {
+  const text = 'mapping robot\nsignature pelvis\nLKnee = 0.9 "l thigh" + 0.1 pelvis # near\n';
+  expect(rulesOf(['LHip', 'LKnee', 'tail'], points, text)).toEqual([
+    { marker: 'LHip', rule: '' },
     { marker: 'LKnee', rule: '0.9 "l thigh" + 0.1 pelvis' },
-    { marker: 'Head', rule: '' },
+    { marker: 'tail', rule: 'tail' },
   ]);
 });
 
@@ -38,15 +35,6 @@ test('writes a mapping with the points of its rules as signature', () => {
   expect(mappingFile('page-walk', rules, points, others)).toBe(longer + mapping);
   const own = others.map((each) => ({ ...each, name: 'page-walk' }));
   expect(mappingFile('page-walk', rules, points, own)).toBe(file + mapping);
-});
-
-test('equal weights sum to 1', () => {
-  const three = ['a', 'b', 'c'].map((name) =>
-    create(SourcePointSchema, { name, markerNames: ['M'] }),
-  );
-  const rule = rulesOf(['M'], three, undefined)[0]?.rule ?? '';
-  const weights = rule.match(/[0-9.]+/g)?.map(Number) ?? [];
-  expect(weights.reduce((sum, weight) => sum + weight, 0)).toBeCloseTo(1, 9);
 });
 
 test('names', () => {

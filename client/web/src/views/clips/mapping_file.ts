@@ -13,24 +13,20 @@ export function quoteName(name: string): string {
   return /^[A-Za-z_][A-Za-z0-9_]*$/.test(name) ? name : `"${name.replaceAll('"', '""')}"`;
 }
 
-// The rules of the markers: those in the text of the mapping that fits, else equal weights of the
-// points that the server computes the marker from.
+// The rules of the markers: those in the text of a mapping, else the point with the marker's name.
 export function rulesOf(
   markers: readonly string[],
   points: readonly SourcePoint[],
-  mapping: Mapping | undefined,
+  text: string,
 ): MarkerRule[] {
   const written = new Map<string, string>();
-  for (const line of mapping?.text.split('\n') ?? []) {
+  for (const line of text.split('\n')) {
     const found = /^\s*("(?:[^"]|"")+"|[^\s#="]+)\s*=\s*([^#]*?)\s*(?:#.*)?$/.exec(line);
     if (found?.[1] !== undefined) written.set(unquoteName(found[1]), found[2] ?? '');
   }
   return markers.map((marker) => {
-    const sources = points.filter((point) => point.markerNames.includes(marker));
-    return {
-      marker,
-      rule: written.get(marker) ?? equalWeights(sources.map((point) => point.name)),
-    };
+    const own = points.some((point) => point.name === marker) ? quoteName(marker) : '';
+    return { marker, rule: written.get(marker) ?? own };
   });
 }
 
@@ -101,19 +97,6 @@ function sorted(names: readonly string[]): string {
 function plainNameOf(fileName: string): string {
   const stem = fileName.replace(/^.*\//, '').replace(/(\.[A-Za-z0-9]{1,5}){1,2}$/, '');
   return `page-${stem.replace(/[^A-Za-z0-9_-]+/g, '_').slice(0, 50)}`;
-}
-
-function equalWeights(names: readonly string[]): string {
-  const [only] = names;
-  if (only === undefined) return '';
-  if (names.length === 1) return quoteName(only);
-  const weight = 1 / names.length;
-  // The last weight makes the sum exactly 1.
-  const rounded = Number(weight.toFixed(6));
-  const last = Number((1 - rounded * (names.length - 1)).toFixed(6));
-  return names
-    .map((name, index) => `${index === names.length - 1 ? last : rounded} ${quoteName(name)}`)
-    .join(' + ');
 }
 
 function unquoteName(name: string): string {

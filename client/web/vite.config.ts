@@ -6,7 +6,7 @@ const server = process.env.MOTIONDB_URL ?? 'http://127.0.0.1:8080';
 export default defineConfig({
   build: {
     target: 'es2022',
-    // The content security policy allows no data: URLs except for images.
+    // The content security policy allows no data: URLs.
     assetsInlineLimit: 0,
     chunkSizeWarningLimit: 1200,
     sourcemap: false,

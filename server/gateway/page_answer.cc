@@ -15,9 +15,8 @@ namespace {
 constexpr std::size_t kBlockBytes = 64 << 10;
 constexpr std::string_view kRpcPrefix = "/motiondb.v1.";
 constexpr char kPolicy[] =
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-    "connect-src 'self'; font-src 'self'; worker-src 'self' blob:; base-uri 'none'; "
-    "form-action 'none'; frame-ancestors 'none'";
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 HttpResponse NotFound(std::string reason) {
   HttpResponse response{

@@ -63,8 +63,10 @@ std::string SetTokenCookie(const std::string& token, bool https) {
   return CookieText(absl::WebSafeBase64Escape(token), https, "");
 }
 
-void DeleteTokenCookie(HttpFields& fields, bool https) {
-  fields.emplace_back("set-cookie", CookieText("", https, "; Max-Age=0"));
+void DeleteTokenCookie(HttpFields& fields) {
+  for (const bool https : {false, true}) {
+    fields.emplace_back("set-cookie", CookieText("", https, "; Max-Age=0"));
+  }
 }
 
 absl::Status CheckSameOrigin(const HttpRequest& request, bool has_tls) {

@@ -20,8 +20,9 @@ std::string TokenInCookie(const HttpRequest& request, bool has_tls);
 
 // Returns the value of Set-Cookie that stores the token, until the browser ends.
 std::string SetTokenCookie(const std::string& token, bool https);
-// Adds Set-Cookie headers that delete the cookie.
-void DeleteTokenCookie(HttpFields& fields, bool https);
+// Adds Set-Cookie headers that delete the cookie, of HTTP and of HTTPS: behind a proxy with TLS not
+// every request tells how the browser reached the page.
+void DeleteTokenCookie(HttpFields& fields);
 
 // Returns PERMISSION_DENIED if the browser says that a page of another origin makes the request
 // (headers Origin and Sec-Fetch-Site). Clients that are no browsers do not send these headers.

@@ -174,7 +174,7 @@ class SessionWork final : public HttpWork, public std::enable_shared_from_this<S
     if (!absl::IsUnauthenticated(caller.status())) return SessionFailure(caller.status());
     HttpResponse response =
         DescribeSession(required, nullptr, std::string(caller.status().message()));
-    if (has_cookie_) DeleteTokenCookie(response.fields, https_);
+    if (has_cookie_) DeleteTokenCookie(response.fields);
     return response;
   }
 
@@ -208,7 +208,7 @@ std::variant<HttpResponse, std::shared_ptr<HttpWork>> AnswerSessionRequest(
   }
   if (request.path == kLogout) {
     HttpResponse response = SessionAnswer(200, "{}");
-    DeleteTokenCookie(response.fields, UsesHttps(request, context.has_tls));
+    DeleteTokenCookie(response.fields);
     return response;
   }
   // A form of another site cannot have this type.

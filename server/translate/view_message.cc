@@ -96,7 +96,7 @@ void SetClipFrames(const ClipMotion& motion, int first_frame, int count, int str
 void SetMapHeader(const StateMap& map, v1::StateMapHeader& message) {
   const core::Model& model = map.model();
   const storage::ModelRecord& record = map.snapshot().record;
-  message.set_model_version(record.version);
+  message.set_model_version(map.model_version());
   message.set_layer(map.layer());
   for (int l = 1; l <= model.layer_count(); ++l) {
     message.add_nodes_per_layer(model.tree().node_count(l));

@@ -1,11 +1,16 @@
 // The view of the server: status, operations, downloads, tokens and audit log (by role: roles).
 import assert from 'node:assert/strict';
-import { stat } from 'node:fs/promises';
+import { execFile } from 'node:child_process';
+import { join } from 'node:path';
 import { test } from 'node:test';
+import { promisify } from 'node:util';
 import { checkAccessibility, logIn, newPage } from './support/browser.mjs';
+import { lineValues, recordCharts } from './support/charts.mjs';
 import { modelOperation, storeManyClips } from './support/many_clips.mjs';
+import { OwnServer } from './support/own_server.mjs';
 import { call, createToken, revokeToken } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
+import { watch } from './support/stream.mjs';
 
 async function openAsAdmin(t, options) {
   const page = await newPage(t, options);
@@ -13,6 +18,8 @@ async function openAsAdmin(t, options) {
   await logIn(page, setup.adminToken);
   return page;
 }
+
+let restored = 0;
 
 const section = (page, name) => page.getByRole('region', { name, exact: true });
 
@@ -65,8 +72,63 @@ test('status, operations and downloads of a server without tokens', async (t) =>
       downloads.getByRole('button', { name: button }).click(),
     ]);
     assert.equal(download.suggestedFilename(), file);
-    assert.ok((await stat(await download.path())).size > 100_000);
+    await checkRestored(t, await download.path());
   }
+});
+
+// A server without databases restores the file, and has the clips of the database `demo`.
+async function checkRestored(t, file) {
+  const server = new OwnServer(join(setup.folder, `${++restored}.restored.db`));
+  await server.start();
+  t.after(() => server.stop());
+  await promisify(execFile)(setup.motiondb, ['--server', server.address, 'restore', file]);
+  const clipsOf = async (url) => {
+    const { body } = await call(url, 'ClipService/ListClips', { parent: 'databases/demo' });
+    return body.clips.map(({ name, frameCount, label }) => [name, frameCount, label]);
+  };
+  const clips = await clipsOf(server.url);
+  assert.ok(clips.length >= 3);
+  assert.deepEqual(clips, await clipsOf(setup.open));
+  await server.stop();
+}
+
+test('the charts show what the server reports', async (t) => {
+  const page = await newPage(t);
+  await recordCharts(page);
+  await page.goto(`${setup.open}/#/admin`);
+  const status = section(page, 'Status');
+  const values = (name) => lineValues(status.getByRole('img', { name }).locator('canvas'));
+  // A chart of one sample has no scale.
+  const last = async (name) => (await values(name).catch(() => []))[0]?.at(-1) ?? 0;
+  const until = async (holds, what) => {
+    const end = performance.now() + 60_000;
+    while (!(await holds())) {
+      assert.ok(performance.now() < end, what);
+      await page.waitForTimeout(200);
+    }
+  };
+  await status.locator('.chart canvas').nth(3).waitFor();
+  await until(async () => (await last('Processor cores in use')) > 0, 'two samples');
+  assert.ok(Math.max(...(await values('Calls per second'))[0]) < 50);
+
+  const controller = new AbortController();
+  t.after(() => controller.abort());
+  const read = async () => {
+    const stream = watch(setup.open, 'DatabaseService/WatchDatabase', { name: 'databases/demo' }, controller.signal);
+    for await (const message of stream) assert.ok(message);
+  };
+  for (let i = 0; i < 7; ++i) read().catch(() => {}); // ends with the test
+  // Seven streams, the call that reads the count, and others of the page at that moment.
+  await until(async () => {
+    const open = await last('Open calls');
+    return open > 7.5 && open < 12.5;
+  }, 'seven more open calls');
+
+  for (let i = 0; i < 400; ++i) await call(setup.open, 'ServerService/GetServerStatus', {});
+  await until(async () => Math.max(...(await values('Calls per second'))[0]) > 50, 'a burst of calls');
+  const { body } = await call(setup.open, 'ServerService/GetServerStatus', {});
+  const memory = await last('Memory of the server');
+  assert.ok(Math.abs(memory / (Number(body.memoryBytes) / 2 ** 20) - 1) < 0.1, `${memory} MiB`);
 });
 
 // Lets the page read the operations five times a second, to see more of their progress.

@@ -65,7 +65,7 @@ test('speed and loop are in the address', async (t) => {
   assert.equal(await speed.inputValue(), '1'); // 0.3 is not offered
   await speed.selectOption('0.25');
   await page.getByLabel('Loop').uncheck();
-  assert.match(page.url(), /speed=0\.25/);
+  await page.waitForURL(/speed=0\.25.*loop=0/);
   await page.reload();
   assert.equal(await speed.inputValue(), '0.25');
   assert.equal(await page.getByLabel('Loop').isChecked(), false);
@@ -80,7 +80,7 @@ test('the keyboard plays and steps, and the recorded skeleton can be alone', asy
   await page.keyboard.press(',');
   await page.keyboard.press(',');
   await position.getByText('frame 59').waitFor();
-  assert.match(page.url(), /t=0\.98/);
+  await page.waitForURL(/t=0\.98/);
   await page.keyboard.press('Space');
   await page.getByRole('button', { name: 'Pause' }).waitFor();
   await page.keyboard.press('Space');
@@ -88,7 +88,7 @@ test('the keyboard plays and steps, and the recorded skeleton can be alone', asy
   await position.getByText('frame 0').waitFor();
   await page.getByLabel('Recorded skeleton').check();
   await page.getByLabel('Markers').uncheck();
-  assert.match(page.url(), /show=joints/);
+  await page.waitForURL(/show=joints/);
   const box = await page.locator('.scene canvas').boundingBox();
   const names = new Set();
   for (let y = 0.2; y < 0.8; y += 0.04) {

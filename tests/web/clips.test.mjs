@@ -1,7 +1,7 @@
 // The list of clips: filter, facets, search, order, upload with its mapping.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { checkAccessibility, newPage, shown } from './support/browser.mjs';
+import { checkAccessibility, drop, newPage, shown } from './support/browser.mjs';
 import { bvhOf, readBvh } from './support/bvh.mjs';
 import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
@@ -23,6 +23,7 @@ test('a facet filters the list, and the address keeps the filter', async (t) => 
   await page.locator('.facet', { hasText: 'boxing' }).click();
   await page.waitForFunction(() => document.querySelectorAll('table.clips tbody tr').length === 1);
   assert.equal(await page.inputValue(filterInput), 'label = boxing');
+  await page.waitForURL(/filter=/);
   const address = page.url();
   await page.goto('about:blank');
   await page.goto(address);
@@ -208,6 +209,72 @@ test('an edited rule of an uploaded file changes its figure and the stored clip'
   }
 });
 
+test('a folder of files is checked without a picture for each', async (t) => {
+  const parent = 'databases/folder';
+  await call(setup.open, 'DatabaseService/CreateDatabase', { databaseId: 'folder' });
+  const page = await newPage(t, { viewport: { width: 900, height: 700 } });
+  await page.goto(`${setup.open}/#/clips/folder`);
+  await shown(page);
+  const motion = await readBvh('01_01');
+  const files = Array.from({ length: 20 }, (_, i) => ({
+    name: `part_${i}.bvh`,
+    mimeType: 'text/plain',
+    buffer: Buffer.from(bvhOf(motion, motion.rows.slice(20 * i, 20 * i + 60))),
+  }));
+  await page.setInputFiles('input[type=file]', files);
+  const items = page.locator('.upload-item');
+  await items.locator('.hint', { hasText: /^checked$/ }).nth(19).waitFor();
+  assert.equal(await page.locator('.mapping').count(), 0);
+  await items.nth(7).locator('summary').click();
+  await items.nth(7).getByLabel('Rule of Waist', { exact: true }).waitFor();
+  assert.equal(await page.locator('.mapping canvas').count(), 1);
+  await page.getByRole('button', { name: 'Store all checked clips' }).click();
+  await items.getByText('stored as').nth(19).waitFor();
+  const { body } = await call(setup.open, 'ClipService/ListClips', { parent });
+  assert.equal(body.clips.length, 20);
+});
+
+test('a dropped file is stored, and the page shows the update of the model', async (t) => {
+  await call(setup.open, 'DatabaseService/CreateDatabase', { databaseId: 'dropped' });
+  const page = await newPage(t, { viewport: { width: 900, height: 700 } });
+  await page.goto(`${setup.open}/#/clips/dropped`);
+  await shown(page);
+  await page.getByText('0 clips').waitFor();
+  const motion = await readBvh('01_03');
+  await drop(page.locator('body'), 'part.bvh', Buffer.from(bvhOf(motion, motion.rows.slice(0, 400))));
+  const item = page.locator('.upload-item');
+  await item.getByLabel('Label').fill('climb');
+  const store = item.getByRole('button', { name: 'Store' });
+  await page.evaluate(() => {
+    const operation = document.querySelector('.operation');
+    window.progress = [];
+    new MutationObserver(() => {
+      const [bar, text] = [operation.querySelector('progress'), operation.querySelector('.hint')];
+      window.progress.push([operation.hidden || bar.hidden, bar.value, text.textContent]);
+    }).observe(operation, { attributes: true, childList: true, subtree: true });
+  });
+  await store.click();
+  await item.getByText('stored as').waitFor();
+  const row = page.locator('table.clips tbody tr');
+  await row.getByRole('link', { name: 'part' }).waitFor();
+  assert.match(await row.textContent(), /climb/);
+  await page.locator('.operation', { hasText: 'Model is up to date.' }).waitFor();
+  const progress = await page.evaluate(() => window.progress);
+  const values = progress.flatMap(([hidden, value, text]) => {
+    if (hidden) return [];
+    const shownValue = /^Model: .*, (\d+) %$/.exec(text)?.[1];
+    assert.ok(Math.abs(Number(shownValue) - 100 * value) < 1, `${text} beside ${value}`);
+    return [value];
+  });
+  assert.ok(values.length > 0, JSON.stringify(progress));
+  assert.deepEqual(values, [...values].sort((a, b) => a - b));
+  assert.equal(progress.at(-1)[0], true, 'no bar of an operation that is done');
+  const { body } = await call(setup.open, 'ModelService/GetModel', {
+    name: 'databases/dropped/models/current',
+  });
+  assert.equal(body.model.clipCount ?? 1, 1, JSON.stringify(body));
+});
+
 // Rules of markers in the text of a mapping; as the table of a file shows them.
 function rulesIn(mappingText) {
   const lines = mappingText.trimEnd().split('\n');
@@ -238,7 +305,6 @@ test('the rules of an automatic mapping are those of the server, and can be stor
   // Some markers are offset from a joint or between joints, with weights of the server.
   assert.ok(rules.filter(([, rule]) => !rule.startsWith('1 ')).length > 3, JSON.stringify(rules));
   assert.deepEqual(rules, rulesIn(automatic.mappingText));
-  await item.locator('summary').click();
   await item.getByRole('button', { name: 'Use these rules' }).click();
   await item.locator('.mapping p', { hasText: 'Mapping: page-box.' }).waitFor();
   const stored = await inspect(parent, 'box.bvh', buffer);

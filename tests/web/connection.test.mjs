@@ -55,6 +55,28 @@ for (const [name, place, other, data] of views) {
   });
 }
 
+test('a prediction that is asked for several times without a server is made once', async (t) => {
+  const page = await open(t, 'query/own?clip=01_01&from=1&to=4&at=1&without=0');
+  const section = page.getByRole('region', { name: 'Estimation and prediction' });
+  await section.locator('tbody tr').first().waitFor();
+  await section.getByRole('button', { name: 'Remove prediction' }).click();
+  let predictions = 0;
+  await server.stop();
+  try {
+    for (let i = 0; i < 3; ++i) {
+      await section.getByRole('button', { name: 'Predict from this moment' }).click();
+      await section.locator('.notice.error').waitFor();
+    }
+    page.on('request', (request) => {
+      if (request.url().endsWith('/Predict')) ++predictions;
+    });
+  } finally {
+    await server.start();
+  }
+  await section.locator('tbody tr').first().waitFor();
+  assert.equal(predictions, 1);
+});
+
 test('a view whose scripts could not be loaded opens when the server is back', async (t) => {
   const page = await open(t, 'clips/own');
   await page.locator('main tbody tr').first().waitFor();

@@ -71,14 +71,50 @@ test('Table I has the statistics of the server', async (t) => {
     view: 'DATABASE_VIEW_FULL',
   });
   const { statistics } = body.database;
-  const row = (name) => page.locator('table.properties tr', { hasText: name }).locator('td');
-  await row('Nodes in the bottom layer').waitFor();
-  const number = (value) => value.toLocaleString('en-GB');
-  assert.equal(await row('Clips').first().textContent(), number(statistics.clipCount));
-  assert.equal(
-    await row('Nodes in the bottom layer').textContent(),
-    number(statistics.bottomNodeCount),
+  const table = page.getByRole('table', { name: 'Properties of the database' });
+  await table.waitFor();
+  const number = (value = 0) => value.toLocaleString('en-GB');
+  const rows = await table
+    .locator('tr')
+    .evaluateAll((all) => all.map(({ cells }) => [...cells].map((cell) => cell.textContent)));
+  assert.deepEqual(rows, [
+    ['Frames', number(statistics.frameCount)],
+    ['Clips', number(statistics.clipCount)],
+    ['Stored clips', number(statistics.storedClipCount)],
+    ['Layers', number(statistics.layerCount)],
+    ['Nodes', number(statistics.nodeCount)],
+    ['Nodes in the bottom layer', number(statistics.bottomNodeCount)],
+    ['Dimensions of a state', number(statistics.dimensionCount)],
+    ['Frame rate', `${statistics.frameRateHz} Hz`],
+    ['Build time', `${statistics.buildSeconds.toFixed(2)} s`],
+    ['Model version', number(statistics.modelVersion)],
+    ['Clips added since the build', number(statistics.addedClipCount)],
+    ['Drift', `${Math.round(100 * (statistics.driftFraction ?? 0))} %`],
+  ]);
+});
+
+test('the table of layers has their nodes, and opens a layer', async (t) => {
+  const page = await open(t, '?layer=5');
+  const { body } = await call(setup.open, 'DatabaseService/GetDatabase', {
+    name: 'databases/demo',
+    view: 'DATABASE_VIEW_FULL',
+  });
+  const table = page.getByRole('table', { name: 'Nodes of each layer' });
+  await table.waitFor();
+  const rows = await table
+    .locator('tbody tr')
+    .evaluateAll((all) => all.map(({ cells }) => [...cells].map((cell) => cell.textContent)));
+  const { nodesPerLayer } = body.database.statistics;
+  assert.deepEqual(
+    rows,
+    nodesPerLayer.map((nodes, i) => [`Layer ${i + 1}`, nodes.toLocaleString('en-GB')]),
   );
+  const pressed = table.locator('button[aria-pressed=true]');
+  assert.deepEqual(await pressed.allTextContents(), ['Layer 5']);
+  await table.getByRole('button', { name: 'Layer 3', exact: true }).click();
+  await page.waitForURL(/layer=3/);
+  await page.locator('.map-controls output', { hasText: /^Layer 3/ }).waitFor();
+  assert.deepEqual(await pressed.allTextContents(), ['Layer 3']);
 });
 
 test('without WebGL a flat map and the tables work', async (t) => {
@@ -111,14 +147,14 @@ test('without WebGL a flat map and the tables work', async (t) => {
   await page.mouse.up();
   await nodeAt(5, 5);
   assert.equal(await nodeAt(left + 70, top + 40), node);
-  assert.doesNotMatch(page.url(), /node=/);
+  await page.waitForURL((url) => !url.href.includes('node='));
   await canvas.press('ArrowRight');
   await nodeAt(5, 5);
   assert.equal(await nodeAt(left + 40, top + 40), node);
   await page.getByText('Nodes as a table').click();
   await page.locator('.node-list tbody button').first().click();
   await page.locator('.node-panel svg.pose').waitFor();
-  assert.match(page.url(), /node=\d/);
+  await page.waitForURL(/node=\d/);
 });
 
 // The linear colour of a text such as rgb(255, 0, 128).
@@ -189,7 +225,7 @@ test('nodes and frames have the colour of their label or clip in the legend', as
   assert.equal(await page.locator('.legend-clip').count(), 0);
   await page.locator('.map-controls').getByLabel('Colour').selectOption('clip');
   await page.locator('.legend-clip').first().waitFor();
-  assert.match(page.url(), /color=clip/);
+  await page.waitForURL(/color=clip/);
   const clips = header.clips.map((name) => name.split('/').at(-1));
   const colors = await legend('.legend-clip');
   assert.deepEqual([...colors.keys()], clips);

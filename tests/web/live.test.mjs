@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { test } from 'node:test';
 import { checkAccessibility, disableWebGL, newPage, shown } from './support/browser.mjs';
+import { lineValues, recordCharts } from './support/charts.mjs';
 import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
@@ -41,6 +42,10 @@ function collectAnswers(t, name) {
       if (!message.answer) continue;
       const horizons = message.answer.horizons ?? [];
       answers.push({
+        frame: Number(message.answer.frame ?? 0),
+        labels: message.answer.labels ?? [],
+        unknown: message.answer.unknownProbability ?? 0,
+        latencyMs: 1000 * message.latencySeconds,
         body: floatsOf(message.markerPositions),
         ghosts: horizons.map(({ markerPositions }) => floatsOf(markerPositions)),
       });
@@ -50,9 +55,86 @@ function collectAnswers(t, name) {
   return answers;
 }
 
+// Repeats a check while pictures and answers are of different moments.
+async function eventually(page, check) {
+  const end = performance.now() + 60_000;
+  for (;;) {
+    try {
+      return await check();
+    } catch (error) {
+      if (performance.now() > end) throw error;
+    }
+    await page.waitForTimeout(100);
+  }
+}
+
+// The newest values of the chart are latencies of the server, in order.
+async function checkLatencies(page, answers) {
+  const [drawn] = await lineValues(page.locator('.chart canvas'));
+  const newest = drawn.slice(-30);
+  assert.equal(newest.length, 30);
+  const tolerance = 0.02 * Math.max(...drawn);
+  const known = answers.map(({ latencyMs }) => latencyMs);
+  let at = known.length - 1;
+  for (const value of newest.toReversed()) {
+    while (at >= 0 && Math.abs(known[at] - value) > tolerance) --at;
+    assert.ok(at-- >= 0, `${newest} in ${known.slice(-60)}`);
+  }
+}
+
+// The bars of the last two seconds have the probabilities of the server, and a colour for each label.
+async function checkRibbon(page, answers, frameRateHz) {
+  const { frame, columns, seconds } = await page.evaluate(() => {
+    const title = [...document.querySelectorAll('dt')].find((dt) => dt.textContent === 'Frame');
+    const picture = document.querySelector('.ribbon [role=img]');
+    const canvas = picture.querySelector('canvas');
+    const { width, height } = canvas;
+    const pixels = new Uint32Array(
+      canvas.getContext('2d').getImageData(0, 0, width, height).data.buffer,
+    );
+    const columns = Array.from({ length: width }, (_, x) => {
+      const column = Array.from({ length: height }, (__, y) => pixels[y * width + x]);
+      return { fraction: column.filter((pixel) => pixel !== 0).length / height, color: column.at(-1) };
+    });
+    const text = title.nextSibling.textContent.replaceAll(',', '');
+    const seconds = Number(/last (\d+) seconds/.exec(picture.getAttribute('aria-label'))[1]);
+    return { frame: Number(text), columns, seconds };
+  });
+  const scale = columns.length / seconds / frameRateHz; // columns a frame
+  const colors = new Map();
+  let checked = 0;
+  let right = 0;
+  for (const [i, answer] of answers.entries()) {
+    const next = answers[i + 1];
+    if (!next || next.frame > frame || answer.frame < frame - 2 * frameRateHz) continue;
+    const [best] = answer.labels;
+    const isUnknown = !best || best.probability < answer.unknown;
+    const expected = Math.max(isUnknown ? answer.unknown : best.probability, 0.04);
+    const middle = (answer.frame + next.frame) / 2;
+    const x = Math.floor(columns.length - (frame - middle) * scale);
+    const { fraction, color } = columns[Math.min(x, columns.length - 1)];
+    ++checked;
+    if (Math.abs(fraction - expected) > 0.03) continue;
+    ++right;
+    // Unknown motion is hatched.
+    if (isUnknown) continue;
+    const { label } = best;
+    colors.set(label, [...(colors.get(label) ?? []), color]);
+  }
+  assert.ok(checked > 20 && right >= 0.9 * checked, `${right} of ${checked} bars`);
+  // Columns between two bars have mixed colours.
+  const ofLabels = [...colors.values()].map((all) => {
+    const middle = all.toSorted((a, b) => a - b)[all.length >> 1];
+    assert.ok(all.filter((each) => each === middle).length > 0.7 * all.length, `colours ${all}`);
+    return middle;
+  });
+  assert.equal(new Set(ofLabels).size, colors.size, 'one colour for each label');
+}
+
 test('a stream shows its figure, labels, prediction and latency until it ends', async (t) => {
   const page = await newPage(t, { viewport: { width: 500, height: 600 } });
   await recordDrawing(page);
+  await recordCharts(page);
   await page.goto(`${setup.open}/#/live/demo`);
   await shown(page);
   const stream = observe(t, 'Boxing_Toes.bvh');
@@ -80,6 +162,9 @@ test('a stream shows its figure, labels, prediction and latency until it ends', 
       assert.ok(distance(ghost, body) > 0.005, 'the figure moves');
     }
   });
+  const [{ frameRateHz }] = list.streams;
+  await eventually(page, () => checkLatencies(page, answers));
+  await eventually(page, () => checkRibbon(page, answers, frameRateHz));
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });
     await checkAccessibility(page);

@@ -78,6 +78,7 @@ async function moved(page, gesture) {
   const { hash } = new URL(page.url());
   await gesture();
   await page.waitForFunction((before) => location.hash !== before, hash);
+  await page.waitForTimeout(500); // the page writes a gesture in parts
   return cameraOf(page);
 }
 
@@ -142,7 +143,7 @@ test('nodes and transitions of the map are those of the server, in each plane', 
   const map = await readMap('demo', layer, 0);
   assert.ok(map.ids.length > 20, `${map.ids.length} nodes`);
   await checkMap(page, map);
-  assert.match(page.url(), new RegExp(`layer=${layer}\\b`));
+  await page.waitForURL(new RegExp(`layer=${layer}\\b`));
   await page.getByRole('slider', { name: 'Layer' }).press('ArrowLeft');
   const above = await readMap('demo', layer - 1, 0);
   await checkMap(page, above);
@@ -155,7 +156,7 @@ test('nodes and transitions of the map are those of the server, in each plane', 
   const few = map.transitions.filter(([from, to, probability]) => from !== to && probability >= 0.2);
   assert.ok(few.length > 0 && few.length < map.transitions.length / 2);
   await checkMap(page, map, { size: 1, least: 0.2 });
-  assert.match(page.url(), /least=0\.2/);
+  await page.waitForURL(/least=0\.2/);
   await set(control(page, 'Transitions from probability'), '0');
 
   // A label that is hidden has no nodes and edges, until it is shown again.
@@ -164,7 +165,7 @@ test('nodes and transitions of the map are those of the server, in each plane', 
   const isShown = (node) => map.header.labels[map.mainClips[node]] !== 'climb';
   await checkMap(page, map, { size: 1, isShown });
   assert.equal(await button.getAttribute('aria-pressed'), 'false');
-  assert.match(page.url(), /hide=climb/);
+  await page.waitForURL(/hide=climb/);
   await button.click();
   await checkMap(page, map, { size: 1 });
 

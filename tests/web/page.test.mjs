@@ -6,8 +6,8 @@ import { isBusy } from './support/busy.mjs';
 import { setup } from './support/setup.mjs';
 
 const policy =
-  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; " +
-  "connect-src 'self'; font-src 'self'; worker-src 'self' blob:; base-uri 'none'; " +
+  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; " +
+  "connect-src 'self'; base-uri 'none'; " +
   "form-action 'none'; frame-ancestors 'none'";
 
 test('opens at / without an error', async (t) => {

@@ -23,7 +23,7 @@ test('goal and obstacles are placed on the floor, and the motion is planned', as
   const box = await floor.boundingBox();
   assert.ok(Math.abs(Number(await goal.getAttribute('cx')) - (from.x - box.x)) < 1);
   assert.ok(Math.abs(Number(await goal.getAttribute('cy')) - (from.y - box.y)) < 1);
-  assert.match(page.url(), /goal=/);
+  await page.waitForURL(/goal=/);
 
   await page.getByRole('button', { name: /^Disc/ }).click();
   const disc = await at(0.8, 0.2);
@@ -54,7 +54,7 @@ test('goal and obstacles are placed on the floor, and the motion is planned', as
   assert.ok(Math.abs(Number(await first.getAttribute('cx')) - begin.x) < 3);
   assert.ok(Math.abs(Number(await first.getAttribute('cy')) - begin.y) < 3);
   await page.getByRole('button', { name: 'Alternative 1' }).click();
-  assert.match(page.url(), /motion=1/);
+  await page.waitForURL(/motion=1/);
   await page.reload();
   await page.locator('tbody button[aria-pressed=true]', { hasText: 'Alternative 1' }).waitFor();
   await checkAccessibility(page);

@@ -94,3 +94,10 @@ test('the camera follows the figure only if that is chosen', async (t) => {
   await checkCamera([...first, target[2]], 'stays');
   assert.ok(distance(last, first) > 0.5 && distance(last, target.slice(0, 2)) > 0.5, 'the figure moves');
 });
+
+test('a picture of all parts has at most 100 draw calls', async (t) => {
+  const page = await openClip(t, 't=1&show=markers,joints,contacts,trails');
+  await whenDrawn(page, canvas, (drawn) => {
+    assert.ok(drawn.length >= 7 && drawn.length <= 100, `${drawn.length} draw calls`);
+  });
+});

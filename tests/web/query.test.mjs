@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
-import { checkAccessibility, newPage } from './support/browser.mjs';
+import { checkAccessibility, drop, newPage } from './support/browser.mjs';
 import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
@@ -23,7 +23,7 @@ test('a part of a clip is recognized, and the prediction compared with what happ
   await page.getByLabel('Layers').fill('3');
   await page.getByRole('button', { name: 'Show generation probability' }).click();
   await page.locator('figure.profile', { hasText: 'Layer 3' }).waitFor();
-  assert.match(page.url(), /layers=3/);
+  await page.waitForURL(/layers=3/);
   // Who opens the shared address sees the same chart.
   await page.reload();
   await page.locator('figure.profile', { hasText: 'Layer 3' }).waitFor();
@@ -92,17 +92,40 @@ test('ghosts are the predicted poses of the server, and the poses that followed'
   );
 });
 
+test('the lines of ribbon and player follow the motion that plays', async (t) => {
+  const page = await newPage(t, { viewport: { width: 700, height: 500 } });
+  await page.goto(`${setup.open}/#/query/demo?clip=01_01&from=1&to=4&without=0`);
+  await page.locator('.ribbon rect:visible').first().waitFor();
+  await page.locator('.player .play').click();
+  // Frames at the line of the ribbon in pictures of a second.
+  const seen = await page.evaluate(async () => {
+    const [slider, head] = ['.player input[type=range]', '.ribbon .playhead'].map((each) =>
+      document.querySelector(each),
+    );
+    const frames = [];
+    const begin = performance.now();
+    while (performance.now() < begin + 1000 || frames.length < 10) {
+      await new Promise(requestAnimationFrame);
+      frames.push((head.x1.baseVal.value / 1000) * (Number(slider.max) + 1));
+    }
+    return frames;
+  });
+  const falls = seen.filter((frame, i) => i > 0 && frame < seen[i - 1]).length;
+  assert.ok(falls <= 1 && new Set(seen).size >= 8, `plays, and begins again at its end: ${seen}`);
+  await page.locator('.player .play').click();
+  const [frame, at] = await page.evaluate(() => {
+    const slider = document.querySelector('.player input[type=range]');
+    const x = document.querySelector('.ribbon .playhead').x1.baseVal.value / 1000;
+    return [Number(slider.value), x * (Number(slider.max) + 1)];
+  });
+  assert.ok(frame > 0 && Math.abs(at - frame) < 1.5, `line at ${at}, player at ${frame}`);
+});
+
 test('a dropped file is recognized as the server does', async (t) => {
   const page = await newPage(t);
   await page.goto(`${setup.open}/#/query/demo`);
-  const bytes = (await readFile(`${setup.models}/01_03.bvh`)).toString('base64');
-  const transfer = await page.evaluateHandle((text) => {
-    const transfer = new DataTransfer();
-    const data = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-    transfer.items.add(new File([data], '01_03.bvh'));
-    return transfer;
-  }, bytes);
-  await page.locator('form.drop-zone').dispatchEvent('drop', { dataTransfer: transfer });
+  const file = await readFile(`${setup.models}/01_03.bvh`);
+  await drop(page.locator('form.drop-zone'), '01_03.bvh', file);
   await page.locator('.ribbon rect:visible').first().waitFor();
   // The stored clip of this file has the label climb.
   await page.getByText('Recognized parts as a list').click();

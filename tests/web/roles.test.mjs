@@ -43,8 +43,8 @@ const controls = {
 };
 
 test('each role sees its controls, and an ingester deletes a clip', async (t) => {
-  await storeClip(t);
   const page = await newPage(t);
+  await storeClip(t);
   await disableWebGL(page);
   await page.goto(`${setup.secure}/#/admin`);
   for (const role of ['READER', 'ADMIN', 'INGESTER']) {
@@ -66,4 +66,17 @@ test('each role sees its controls, and an ingester deletes a clip', async (t) =>
   await page.getByRole('button', { name: /Really delete/ }).click();
   await page.getByRole('link', { name: '01_01' }).waitFor({ state: 'detached' });
   assert.equal((await call(setup.secure, 'ClipService/GetClip', { name: clip })).status, 404);
+});
+
+test('a token of one database sees no sections about the server', async (t) => {
+  const page = await newPage(t);
+  await storeClip(t);
+  await page.goto(`${setup.secure}/#/admin`);
+  await logIn(page, (await createToken('ROLE_INGESTER', 'databases/roles')).secret);
+  await page.getByRole('region', { name: 'Operations', exact: true }).getByText('roles').first().waitFor();
+  const sections = await page.locator('main section').evaluateAll((all) => all.map((each) => each.ariaLabel));
+  assert.deepEqual(sections, ['Operations', 'Downloads']);
+  const downloads = page.getByRole('region', { name: 'Downloads', exact: true });
+  assert.deepEqual(await downloads.locator('option').allTextContents(), ['roles']);
+  assert.equal(await page.locator('.notice.error:visible').count(), 0);
 });

@@ -67,6 +67,21 @@ test('a revoked token ends the session', async (t) => {
   assert.deepEqual(await page.context().cookies(), []);
 });
 
+test('the form of the login stays when the address changes', async (t) => {
+  const page = await newPage(t, { expected: refused });
+  await page.goto(`${setup.secure}/#/admin`);
+  const form = page.locator('input[name=token]');
+  await form.waitFor();
+  await page.getByRole('link', { name: 'motiondb' }).click();
+  await page.waitForURL(/#\/$/);
+  await form.fill(setup.adminToken);
+  await page.goBack();
+  assert.equal(await form.inputValue(), setup.adminToken);
+  assert.equal(await page.locator('.notice.error:visible').count(), 0);
+  await page.locator('button[type=submit]').click();
+  await page.getByRole('heading', { name: 'Audit log' }).waitFor();
+});
+
 // The other site has another port of the same host: SameSite=Strict does not keep the cookie back.
 test('forged requests of other origins change nothing', async (t) => {
   const page = await newPage(t, { expected: [/.*/] });
@@ -158,6 +173,7 @@ test('two browsers have sessions of their own', async (t) => {
 
 // A reader of a clip loses the token: the page asks for another one, then shows the same place.
 test('a token revoked while a view is open', async (t) => {
+  const page = await newPage(t, { expected: refused });
   await call(setup.secure, 'DatabaseService/CreateDatabase', { databaseId: 'private' });
   t.after(() => call(setup.secure, 'DatabaseService/DeleteDatabase', { name: 'databases/private' }));
   const file = (await readFile(`${setup.models}/01_01.bvh`)).toString('base64');
@@ -165,7 +181,6 @@ test('a token revoked while a view is open', async (t) => {
   await call(setup.secure, 'ClipService/UploadClip', { header, file });
   const first = await createToken('ROLE_READER');
   const second = await createToken('ROLE_READER');
-  const page = await newPage(t, { expected: refused });
   await page.goto(`${setup.secure}/#/clip/private/01_01?t=2&show=markers`);
   await logIn(page, first.secret);
   await page.locator('.position', { hasText: 'frame 120' }).waitFor();

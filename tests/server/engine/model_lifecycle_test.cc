@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/engine/query/state_map.h"
 #include "server/engine/snapshot.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/test_engine.h"
@@ -136,6 +137,12 @@ TEST_CASE("Lifecycle: a new model answers before it is stored, and marks its cal
   const std::string last = build("d", 3);
   CHECK(served()->calibration == server::Calibration::kPrevious);
   CHECK(served()->record.version == before->record.version);
+  const auto map_version = [&] {
+    const auto map = server::StateMap::Open(*engine, {.database = "db"}, 0, {});
+    REQUIRE(map.ok());
+    return (*map)->model_version();
+  };
+  CHECK(map_version() == 0);
   CHECK(served()->model.clips().size() == 4);
   CHECK(served()->record.frame_count == 240);
   CHECK(served()->model.recognition().window.familiarity ==
@@ -145,6 +152,7 @@ TEST_CASE("Lifecycle: a new model answers before it is stored, and marks its cal
   CHECK(engine.Wait(last).model_version == before->record.version + 1);
   CHECK(served()->calibration == server::Calibration::kOwn);
   CHECK(served()->record.version == before->record.version + 1);
+  CHECK(map_version() == before->record.version + 1);
   CHECK(served()->model.states() == answering->model.states());
   CHECK(served()->model.recognition().window.familiarity !=
         answering->model.recognition().window.familiarity);

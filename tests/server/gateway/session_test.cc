@@ -263,6 +263,8 @@ TEST_CASE("Session: a revoked token stops calls and streams", "[server][gateway]
   const HttpReply reply = client.Read();
   CHECK(json::parse(reply.body)["authenticated"] == false);
   CHECK(json::parse(reply.body)["reason"].get<std::string>().find("revoked") != std::string::npos);
+  CHECK_THAT(reply.Field("set-cookie"), Catch::StartsWith("motiondb_token=;"));
+  CHECK_THAT(reply.Field("set-cookie"), Catch::Contains(", __Host-motiondb_token=;"));
   CHECK_THAT(reply.Field("set-cookie"), Catch::EndsWith("Max-Age=0"));
   // The stream ends instead of sending the next change.
   CHECK(Post(server.address(), kDelete, admin, R"({"name":"databases/a"})").status == 200);

@@ -90,7 +90,8 @@ HttpReply WebClient::Read(bool head) {
   while (ReadLine(line) && !line.empty()) {
     const std::size_t colon = line.find(": ");
     REQUIRE(colon != std::string::npos);
-    reply.fields[LowerName(line.substr(0, colon))] = line.substr(colon + 2);
+    std::string& value = reply.fields[LowerName(line.substr(0, colon))];
+    value += (value.empty() ? "" : ", ") + line.substr(colon + 2);
   }
   if (head || reply.status == 100) return reply;
   if (reply.fields.contains("content-length")) {

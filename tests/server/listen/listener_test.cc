@@ -9,7 +9,9 @@
 #include <boost/asio/write.hpp>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -37,6 +39,8 @@ class Client {
     boost::system::error_code error;
     asio::write(socket_, asio::buffer(bytes), error);
   }
+  unsigned port() const { return socket_.local_endpoint().port(); }
+
   // Reads until the server closes the connection.
   std::string ReadAll() {
     std::string all;
@@ -77,6 +81,37 @@ std::string GoAway(std::uint32_t last_stream) {
     bytes += static_cast<char>(last_stream >> shift & 0xff);
   }
   return Http2Frame(7, 0, 0, bytes).substr(3);
+}
+
+// Returns the kind of timer that the system runs for the connection from `local` to `remote`, ports
+// of this machine; empty: there is no such connection.
+std::string TimerOf(unsigned local, unsigned remote) {
+  std::ifstream connections("/proc/net/tcp");
+  std::string line;
+  std::getline(connections, line);
+  while (std::getline(connections, line)) {
+    std::istringstream words(line);
+    std::string number, from, to, state, queues, timer;
+    words >> number >> from >> to >> state >> queues >> timer;
+    const auto port = [](const std::string& address) {
+      return std::stoul(address.substr(address.rfind(':') + 1), nullptr, 16);
+    };
+    if (port(from) == local && port(to) == remote) return timer.substr(0, timer.find(':'));
+  }
+  return "";
+}
+
+TEST_CASE("Listener: the system probes silent connections", "[server][http2]") {
+  TestServer server;
+  const std::string address = server.server().address();
+  const auto port = static_cast<unsigned>(std::stoul(address.substr(address.rfind(':') + 1)));
+  const Client client(address);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const std::string kProbes = "02";  // 01: data is not acknowledged yet
+  while (TimerOf(port, client.port()) != kProbes && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(TimerOf(port, client.port()) == kProbes);
 }
 
 TEST_CASE("Listener: an address in use is reported", "[server][http2]") {

@@ -121,6 +121,20 @@ export async function checkAccessibility(page) {
   assert.deepEqual(violations, []);
 }
 
+// Drops a file on a part of the page.
+export async function drop(target, name, buffer) {
+  const transfer = await target.page().evaluateHandle(
+    ([fileName, text]) => {
+      const transfer = new DataTransfer();
+      const data = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+      transfer.items.add(new File([data], fileName));
+      return transfer;
+    },
+    [name, buffer.toString('base64')],
+  );
+  await target.dispatchEvent('drop', { dataTransfer: transfer });
+}
+
 // Logs in with the form of the page.
 export async function logIn(page, token) {
   await page.locator('input[name=token]').fill(token);

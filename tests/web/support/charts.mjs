@@ -70,3 +70,11 @@ export async function checkLines(canvas, lines, what) {
   }
   return picture.lines.map(({ color }) => color);
 }
+
+/** The values of each line of a chart, by the numbers at its left axis. */
+export async function lineValues(canvas) {
+  const picture = await canvas.evaluate((node) => window.chartOf(node));
+  const y = scaleOf(picture.texts, 'y', 'x');
+  const pixels = y(1) - y(0);
+  return picture.lines.map(({ points }) => points.map(([, at]) => (at - y(0)) / pixels));
+}

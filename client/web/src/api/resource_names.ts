@@ -8,13 +8,9 @@ export function clipName(databaseId: string, clipId: string): string {
   return `databases/${databaseId}/clips/${clipId}`;
 }
 
-export function currentModelName(databaseId: string): string {
-  return `databases/${databaseId}/models/current`;
-}
-
-// A version of the model; 0 is a model that is not stored yet.
+// A version of the model; 0: the current one.
 export function modelName(databaseId: string, version: number): string {
-  return version === 0 ? currentModelName(databaseId) : `databases/${databaseId}/models/${version}`;
+  return `databases/${databaseId}/models/${version === 0 ? 'current' : version}`;
 }
 
 // Last part of a resource name.

@@ -17,6 +17,8 @@ export interface ChartOptions {
   unit: string;
   // x are seconds since 1970, shown as times of day; otherwise plain numbers.
   times?: boolean;
+  // Name or unit of x, if it is no time of day; default: s.
+  x?: string;
   height?: number;
   // The user has clicked at x.
   pick?: (x: number) => void;
@@ -104,7 +106,7 @@ export class LineChart {
         scales: { x: { time: this.options.times === true } },
         axes: [axis, { ...axis, label: this.unit, size: 56, labelSize: 18 }],
         series: [
-          { label: this.options.times === true ? 'time' : 's' },
+          { label: this.options.times === true ? 'time' : (this.options.x ?? 's') },
           ...this.lines.map((line) => ({
             label: line.name,
             stroke: theme.color(line.color),

@@ -24,7 +24,13 @@ export function tableOf(
   );
   return element(
     'div',
-    { class: 'table-scroll', role: 'group', 'aria-label': caption, tabindex: 0 },
+    {
+      class: 'table-scroll',
+      role: 'group',
+      'aria-label': caption,
+      tabindex: 0,
+      'data-key': caption,
+    },
     element(
       'table',
       {},

@@ -78,7 +78,7 @@ export class PlayerControls {
   // Handles a key of the page; false if it is not a key of the player or text is being edited.
   press(event: KeyboardEvent): boolean {
     if (event.ctrlKey || event.altKey || event.metaKey || isEditing(event.target)) return false;
-    if (event.key === ' ' && event.target instanceof HTMLButtonElement) return false;
+    if (event.key === ' ' && takesSpace(event.target)) return false;
     if (event.key === ' ') this.clock.toggle();
     else if (event.key === ',') this.clock.step(-1);
     else if (event.key === '.') this.clock.step(1);
@@ -123,6 +123,13 @@ export class PlayerControls {
     this.slider.setAttribute('aria-valuetext', `frame ${clock.frame}`);
     this.position.textContent = `${clockText(clock.time)} / ${clockText(clock.duration)}, frame ${clock.frame}`;
   }
+}
+
+// True for a control that Space operates.
+function takesSpace(target: EventTarget | null): boolean {
+  return (
+    target instanceof Element && target.closest('button, summary, input[type=checkbox]') !== null
+  );
 }
 
 // True for a control that takes text or keys of its own.

@@ -14,6 +14,7 @@ export class ContactObject {
   );
   private readonly feet: readonly (readonly number[])[];
   private readonly matrix = new Matrix4();
+  private readonly forgetTheme: () => void;
 
   constructor(
     private readonly scene: Scene,
@@ -22,7 +23,7 @@ export class ContactObject {
     this.feet = [footPoints(markerNames, 'left'), footPoints(markerNames, 'right')];
     this.mesh.frustumCulled = false;
     scene.root.add(this.mesh);
-    scene.onTheme(() => {
+    this.forgetTheme = scene.onTheme(() => {
       this.mesh.setColorAt(0, new Color(scene.theme.color('--left')));
       this.mesh.setColorAt(1, new Color(scene.theme.color('--right')));
       if (this.mesh.instanceColor) this.mesh.instanceColor.needsUpdate = true;
@@ -47,6 +48,7 @@ export class ContactObject {
   }
 
   dispose(): void {
+    this.forgetTheme();
     this.scene.root.remove(this.mesh);
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();

@@ -1,8 +1,12 @@
 import { Matrix4, Vector3, type InstancedMesh } from 'three';
-import { expect, test } from 'vitest';
+import { expect, test, vi } from 'vitest';
+import { ContactObject } from './contact_object';
 import { FigureObject } from './figure_object';
+import { FloorObject } from './floor_object';
 import { linkRadii } from './link_radii';
 import { instancedMeshes, testScene } from './test_scene';
+import { TrailObject } from './trail_object';
+import { VisualObject } from './visual_object';
 
 const bone = (fromPoint: number, toPoint: number) => ({ fromPoint, toPoint });
 // A hip, a thigh of 0.4 m, a shin of 0.3 m, and a foot of 0.02 m; a sensor without bones.
@@ -55,4 +59,29 @@ test('a robot is drawn as capsules in two draw calls', () => {
   expect(sizeOf(points, 4)[0]).toBe(0);
   figure.dispose();
   expect(root.children.length).toBe(0);
+});
+
+test('objects that go leave the shared material, and nothing in the scene', () => {
+  const { root, scene, themed, surface } = testScene();
+  const disposed = vi.fn();
+  surface.addEventListener('dispose', disposed);
+  const figures = [new FigureObject(scene, robot), new FigureObject(scene, robot)];
+  const others = [
+    new VisualObject(scene, [], { color: '--ghost', opacity: 1 }),
+    new ContactObject(scene, ['LAnkle', 'RAnkle']),
+    new FloorObject(scene),
+    new TrailObject(scene, { names: robot.names, bones: [], positions: pose }),
+  ];
+  expect(
+    new Set(
+      instancedMeshes(root)
+        .slice(0, 4)
+        .map(({ material }) => material),
+    ).size,
+  ).toBe(1);
+  expect(themed.size).toBe(6);
+  for (const each of [...figures, ...others]) each.dispose();
+  expect(root.children.length).toBe(0);
+  expect(themed.size).toBe(0);
+  expect(disposed).not.toHaveBeenCalled();
 });

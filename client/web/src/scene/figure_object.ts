@@ -5,7 +5,7 @@ import {
   IcosahedronGeometry,
   InstancedMesh,
   Matrix4,
-  MeshLambertMaterial,
+  type MeshLambertMaterial,
   Quaternion,
   Vector3,
 } from 'three';
@@ -45,6 +45,7 @@ export class FigureObject {
   private readonly turn = new Quaternion();
   private readonly size = new Vector3();
   private positions: Float32Array = new Float32Array(0);
+  private readonly forgetTheme: () => void;
   private radii: LinkRadii | undefined;
   private highlighted = -1;
 
@@ -53,17 +54,15 @@ export class FigureObject {
     readonly figure: FigurePoints,
     private readonly style: FigureStyle = {},
   ) {
-    const opacity = style.opacity ?? 1;
-    const material = () =>
-      new MeshLambertMaterial({ transparent: opacity < 1, opacity, depthWrite: opacity >= 1 });
+    const material = scene.surface(style.opacity ?? 1);
     this.points = new InstancedMesh(
       new IcosahedronGeometry(1, style.links === true ? 2 : 1),
-      material(),
+      material,
       Math.max(1, figure.names.length),
     );
     this.bones = new InstancedMesh(
       new CylinderGeometry(1, 1, 1, style.links === true ? 12 : 6, 1, true),
-      material(),
+      material,
       Math.max(1, figure.bones.length),
     );
     for (const mesh of [this.points, this.bones]) {
@@ -72,7 +71,7 @@ export class FigureObject {
       this.group.add(mesh);
     }
     scene.root.add(this.group);
-    scene.onTheme(() => {
+    this.forgetTheme = scene.onTheme(() => {
       this.applyColors();
     });
   }
@@ -124,10 +123,10 @@ export class FigureObject {
   }
 
   dispose(): void {
+    this.forgetTheme();
     this.scene.root.remove(this.group);
     for (const mesh of [this.points, this.bones]) {
       mesh.geometry.dispose();
-      mesh.material.dispose();
       mesh.dispose();
     }
     this.scene.invalidate();

@@ -14,6 +14,7 @@ export class FloorObject {
   private readonly geometry = new BufferGeometry();
   private readonly material = new LineBasicMaterial();
   private readonly lines = new LineSegments(this.geometry, this.material);
+  private readonly forgetTheme: () => void;
 
   constructor(
     private readonly scene: Scene,
@@ -21,7 +22,9 @@ export class FloorObject {
   ) {
     this.lines.frustumCulled = false;
     scene.root.add(this.lines);
-    scene.onTheme(() => this.material.color.copy(new Color(scene.theme.color('--floor'))));
+    this.forgetTheme = scene.onTheme(() =>
+      this.material.color.copy(new Color(scene.theme.color('--floor'))),
+    );
     this.cover(extent);
   }
 
@@ -32,6 +35,7 @@ export class FloorObject {
   }
 
   dispose(): void {
+    this.forgetTheme();
     this.scene.root.remove(this.lines);
     this.geometry.dispose();
     this.material.dispose();

@@ -2,6 +2,7 @@ import {
   AmbientLight,
   Color,
   DirectionalLight,
+  MeshLambertMaterial,
   PerspectiveCamera,
   Scene as ThreeScene,
   Vector3,
@@ -36,6 +37,8 @@ export class Scene {
   readonly statistics = new FrameStatistics();
   private readonly disposer = new Disposer();
   private readonly animations = new Set<(seconds: number) => void>();
+  private readonly themed = new Set<() => void>();
+  private readonly surfaces = new Map<number, MeshLambertMaterial>();
   private request = 0;
   // Something has changed since the last picture.
   private changed = true;
@@ -108,15 +111,23 @@ export class Scene {
     return { x: ((point.x + 1) / 2) * this.width, y: ((1 - point.y) / 2) * this.height };
   }
 
-  // Calls back when the theme has changed, and once immediately, until the scene is disposed.
-  onTheme(callback: () => void): void {
+  // Calls back when the theme has changed, and once immediately, until the returned function is called.
+  onTheme(callback: () => void): () => void {
     callback();
-    this.disposer.add(
-      this.theme.onChange(() => {
-        callback();
-        this.invalidate();
-      }),
-    );
+    this.themed.add(callback);
+    return () => this.themed.delete(callback);
+  }
+
+  // The material of lit surfaces with an opacity, for objects with a colour for each instance. They
+  // share it, because its program takes up to seconds to compile; the scene disposes it.
+  surface(opacity: number): MeshLambertMaterial {
+    let material = this.surfaces.get(opacity);
+    if (!material) {
+      const transparent = opacity < 1;
+      material = new MeshLambertMaterial({ transparent, opacity, depthWrite: !transparent });
+      this.surfaces.set(opacity, material);
+    }
+    return material;
   }
 
   // Releases the memory of the graphics processor. Objects in the scene are disposed by their owner.
@@ -124,6 +135,8 @@ export class Scene {
     this.disposer.dispose();
     cancelAnimationFrame(this.request);
     this.animations.clear();
+    this.themed.clear();
+    for (const material of this.surfaces.values()) material.dispose();
     this.orbit.dispose();
     this.root.clear();
     this.renderer.dispose();
@@ -160,6 +173,7 @@ export class Scene {
 
   private applyTheme(): void {
     this.root.background = new Color(this.theme.color('--scene'));
+    for (const callback of this.themed) callback();
     this.invalidate();
   }
 }

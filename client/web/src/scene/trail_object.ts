@@ -16,6 +16,7 @@ export class TrailObject {
   private readonly geometry = new BufferGeometry();
   private readonly material = new LineBasicMaterial();
   private readonly lines = new LineSegments(this.geometry, this.material);
+  private readonly forgetTheme: () => void;
   private points: readonly number[] = [];
   private values = new Float32Array(0);
 
@@ -26,7 +27,9 @@ export class TrailObject {
     this.lines.frustumCulled = false;
     this.lines.visible = false;
     scene.root.add(this.lines);
-    scene.onTheme(() => this.material.color.copy(new Color(scene.theme.color('--trail'))));
+    this.forgetTheme = scene.onTheme(() =>
+      this.material.color.copy(new Color(scene.theme.color('--trail'))),
+    );
   }
 
   // Chooses the points with a trail.
@@ -54,6 +57,7 @@ export class TrailObject {
   }
 
   dispose(): void {
+    this.forgetTheme();
     this.scene.root.remove(this.lines);
     this.geometry.dispose();
     this.material.dispose();

@@ -5,7 +5,7 @@ import {
   Group,
   InstancedMesh,
   Matrix4,
-  MeshLambertMaterial,
+  type MeshLambertMaterial,
   Quaternion,
   SphereGeometry,
   SRGBColorSpace,
@@ -48,6 +48,7 @@ export class VisualObject {
   private readonly position = new Vector3();
   private readonly rotation = new Quaternion();
   private readonly one = new Vector3(1, 1, 1);
+  private readonly forgetTheme: () => void;
 
   constructor(
     private readonly scene: Scene,
@@ -57,12 +58,7 @@ export class VisualObject {
     this.meshes = kUnitShapes.flatMap(([kind, createShape]) => {
       const ofKind = visuals.filter(({ geometry }) => geometry === kind);
       if (ofKind.length === 0) return [];
-      const material = new MeshLambertMaterial({
-        transparent: opacity < 1,
-        opacity,
-        depthWrite: opacity >= 1,
-      });
-      const mesh = new InstancedMesh(createShape(), material, ofKind.length);
+      const mesh = new InstancedMesh(createShape(), scene.surface(opacity), ofKind.length);
       mesh.frustumCulled = false;
       this.group.add(mesh);
       return [
@@ -77,7 +73,7 @@ export class VisualObject {
       ];
     });
     scene.root.add(this.group);
-    scene.onTheme(() => {
+    this.forgetTheme = scene.onTheme(() => {
       const shown = new Color();
       for (const { mesh, parts } of this.meshes) {
         parts.forEach(({ visual: { color: own } }, index) => {
@@ -118,10 +114,10 @@ export class VisualObject {
   }
 
   dispose(): void {
+    this.forgetTheme();
     this.scene.root.remove(this.group);
     for (const { mesh } of this.meshes) {
       mesh.geometry.dispose();
-      mesh.material.dispose();
       mesh.dispose();
     }
     this.scene.invalidate();

@@ -13,6 +13,8 @@ import { kRoutes, type Route } from './routes';
 import { ThemeSwitch } from './theme';
 import type { View, ViewContext } from './view';
 
+// Safari permits 100 changes in 30 s.
+const kAddressMilliseconds = 350;
 const kMotionCacheBytes = 96 * 1024 * 1024;
 const kWatchMilliseconds = 3000;
 
@@ -40,6 +42,10 @@ export class Shell {
   private databases: string[] = [];
   private place: ParsedPlace = parsePlace(location.hash);
   private view: View | undefined;
+  // The address as `follow` and `writeAddress` know it, and when it was written last.
+  private address = '';
+  private addressTime = -Infinity;
+  private writingAddress: ReturnType<typeof setTimeout> | undefined;
   private opening = 0;
   private scriptsFailed = false;
 
@@ -72,7 +78,10 @@ export class Shell {
         this.connection.failed(error);
       });
     }, kWatchMilliseconds);
-    addEventListener('hashchange', () => void this.follow(parsePlace(location.hash)));
+    // After a login, `start` follows the address.
+    addEventListener('hashchange', () => {
+      if (this.loggedIn) void this.follow(parsePlace(location.hash));
+    });
   }
 
   // Reads the session, then opens the view of the URL.
@@ -137,6 +146,7 @@ export class Shell {
       place.path.join('/') === this.place.path.join('/') &&
       place.query.toString() === this.place.query.toString();
     this.place = place;
+    this.address = location.hash;
     if (samePage) return;
     this.closeView();
     this.drawHeader();
@@ -214,7 +224,25 @@ export class Shell {
       if (value === null || value === '') this.place.query.delete(name);
       else this.place.query.set(name, String(value));
     }
+    if (this.writingAddress !== undefined) return;
+    const wait = this.addressTime + kAddressMilliseconds - performance.now();
+    if (wait > 0) {
+      this.writingAddress = setTimeout(() => {
+        this.writeAddress();
+      }, wait);
+    } else {
+      this.writeAddress();
+    }
+  }
+
+  // Browsers refuse many changes of the address in a short time, as while a slider is dragged.
+  private writeAddress(): void {
+    this.writingAddress = undefined;
+    this.addressTime = performance.now();
+    // The user can have gone to another address, which `follow` does not know yet.
+    if (location.hash !== this.address) return;
     history.replaceState(null, '', hrefOf(this.place));
+    this.address = location.hash;
   }
 
   private changeDatabase(database: string): void {
@@ -225,6 +253,8 @@ export class Shell {
 
   private closeView(): void {
     ++this.opening;
+    clearTimeout(this.writingAddress);
+    this.writingAddress = undefined;
     this.view?.close();
     this.view = undefined;
     this.scriptsFailed = false;
@@ -235,10 +265,13 @@ export class Shell {
     this.speech.textContent = text;
   }
 
+  private get loggedIn(): boolean {
+    return this.session.role !== null && this.connection.state !== 'login';
+  }
+
   private drawHeader(): void {
-    const loggedIn = this.session.role !== null && this.connection.state !== 'login';
     this.header.draw({
-      session: loggedIn ? this.session : null,
+      session: this.loggedIn ? this.session : null,
       view: this.place.view,
       database: this.place.database !== '' ? this.place.database : (this.databases[0] ?? ''),
       databases: this.databases,

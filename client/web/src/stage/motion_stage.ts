@@ -131,6 +131,17 @@ export class MotionStage {
     this.moveCamera(positions);
   }
 
+  // Shows no motion.
+  clear(): void {
+    const { floor, markers, joints, visuals, contacts, trails } = this;
+    for (const part of [floor, markers, joints, visuals, contacts, trails]) part?.dispose();
+    this.floor = this.markers = this.joints = this.contacts = this.trails = undefined;
+    this.visuals = undefined;
+    this.motion = undefined;
+    this.shownFrame = -1;
+    this.scene?.invalidate();
+  }
+
   dispose(): void {
     this.clear();
     this.scene?.dispose();
@@ -167,15 +178,6 @@ export class MotionStage {
     if (!figure || name === undefined) return;
     const at = figure.positionOf(point).map((value) => value.toFixed(3));
     this.tip.textContent = `${name}  x ${at[0] ?? ''}  y ${at[1] ?? ''}  z ${at[2] ?? ''} m`;
-  }
-
-  private clear(): void {
-    const { floor, markers, joints, visuals, contacts, trails } = this;
-    for (const part of [floor, markers, joints, visuals, contacts, trails]) part?.dispose();
-    this.floor = this.markers = this.joints = this.contacts = this.trails = undefined;
-    this.visuals = undefined;
-    this.motion = undefined;
-    this.shownFrame = -1;
   }
 }
 

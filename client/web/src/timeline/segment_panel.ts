@@ -30,6 +30,7 @@ export class SegmentPanel {
   private readonly notice = new Notice();
   private selected = '';
   private running = 0;
+  private lastChange: Promise<unknown> = Promise.resolve();
   private waiting: (readonly WatchDatabaseResponse[])[] = [];
 
   constructor(private readonly options: SegmentPanelOptions) {
@@ -211,11 +212,13 @@ export class SegmentPanel {
     };
   }
 
-  // Runs a change; an error appears here. After a conflict the user can load the stored version.
+  // Runs a change after those before; an error appears here. After a conflict the user can load the
+  // stored version.
   private run(change: () => Promise<unknown>): void {
     this.notice.clear();
     ++this.running;
-    change()
+    this.lastChange = this.lastChange
+      .then(change)
       .catch((error: unknown) => {
         this.timeline.setSegments(this.store.all);
         const conflict = hasCode(error, Code.Aborted, Code.NotFound);

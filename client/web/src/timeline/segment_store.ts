@@ -89,6 +89,8 @@ export class SegmentStore {
     segment: StoredSegment,
     change: Partial<TimeRange> & { label?: string },
   ): Promise<void> {
+    // An update before can have changed it.
+    const { etag } = this.find(segment.name) ?? segment;
     const paths = [];
     if (change.label !== undefined) paths.push('label');
     if (change.start !== undefined) paths.push('start_seconds');
@@ -98,7 +100,7 @@ export class SegmentStore {
       {
         segment: {
           name: segment.name,
-          etag: segment.etag,
+          etag,
           label: change.label ?? segment.label,
           startSeconds: change.start ?? segment.start,
           endSeconds: change.end ?? segment.end,

@@ -33,17 +33,22 @@ test('a label is text, never HTML', () => {
   expect(timeline.node.textContent).toContain(kHostile);
 });
 
-test('arrow keys move the edge of the selected segment by a frame', () => {
+test('arrow keys move the edge of the selected segment by frames, stored at their release', () => {
   const { timeline, events } = openTimeline();
   const stored = segment('walk');
   timeline.setSegments([stored]);
   timeline.select(stored.name);
   const edge = timeline.node.querySelector('.edge.end');
-  edge?.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', bubbles: true }));
+  const press = (kind: 'keydown' | 'keyup') =>
+    edge?.dispatchEvent(new KeyboardEvent(kind, { key: 'ArrowRight', bubbles: true }));
+  for (let i = 0; i < 3; ++i) press('keydown');
+  expect(events.move).not.toHaveBeenCalled();
+  expect(edge?.getAttribute('aria-valuenow')).toBe('2.050');
+  press('keyup');
   expect(events.move).toHaveBeenCalledOnce();
   const [, range] = events.move.mock.calls[0] as [StoredSegment, { start: number; end: number }];
   expect(range.start).toBe(1);
-  expect(range.end).toBeCloseTo(2 + 1 / 60, 9);
+  expect(range.end).toBeCloseTo(2 + 3 / 60, 9);
 });
 
 test('a click selects a segment, a second one deselects it', () => {

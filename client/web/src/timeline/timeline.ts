@@ -136,6 +136,10 @@ export class Timeline {
     });
     const moved = (seconds: number) =>
       moveEdge(segment, edge, seconds, this.segments, this.duration, this.frameRateHz);
+    let range: TimeRange = { start: segment.start, end: segment.end };
+    const commit = () => {
+      if (range[edge] !== segment[edge]) this.events.move(segment, range);
+    };
     handle.addEventListener('keydown', (event) => {
       const steps: Record<string, number> = {
         ArrowLeft: -1,
@@ -147,8 +151,14 @@ export class Timeline {
       if (step === undefined) return;
       event.preventDefault();
       event.stopPropagation();
-      this.events.move(segment, moved(segment[edge] + step / this.frameRateHz));
+      // A held key moves the edge many times; the change is stored when the key is released.
+      range = moved(range[edge] + step / this.frameRateHz);
+      this.place(node, range);
+      handle.setAttribute('aria-valuenow', range[edge].toFixed(3));
+      handle.setAttribute('aria-valuetext', clockText(range[edge]));
     });
+    handle.addEventListener('keyup', commit);
+    handle.addEventListener('blur', commit);
     handle.addEventListener('pointerdown', (event) => {
       event.preventDefault();
       event.stopPropagation();

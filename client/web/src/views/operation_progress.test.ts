@@ -38,3 +38,28 @@ test('a hidden page does not wait for an operation', async () => {
   await vi.advanceTimersByTimeAsync(1000);
   expect(done).toHaveBeenCalledTimes(1);
 });
+
+test('progress does not fall if an older state arrives', async () => {
+  const operation = (progress: number, state = OperationState.RUNNING) =>
+    ({ name: 'operations/1', state, result: { case: undefined }, progress }) as Operation;
+  let newest = operation(0.5);
+  const waitOperation = vi.fn(async () => {
+    await new Promise((resolve) => setTimeout(resolve, 100));
+    return { operation: newest };
+  });
+  const api = { operations: { waitOperation } } as unknown as Api;
+  const done = vi.fn();
+  const progress = new OperationProgress(api, new AbortController().signal, done);
+  const bar = progress.node.querySelector('progress')!;
+  progress.watch(operation(0.1));
+  await vi.advanceTimersByTimeAsync(150);
+  progress.watch(operation(0.2));
+  expect(bar.value).toBe(0.5);
+  newest = operation(1, OperationState.SUCCEEDED);
+  await vi.advanceTimersByTimeAsync(300);
+  progress.watch(operation(0.3));
+  await vi.advanceTimersByTimeAsync(300);
+  expect(bar.hidden).toBe(true);
+  expect(progress.node.textContent).toBe('Model is up to date.');
+  expect(done).toHaveBeenCalledTimes(1);
+});

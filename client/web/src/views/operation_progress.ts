@@ -24,6 +24,7 @@ export class OperationProgress {
   private readonly text = element('span', { class: 'hint', role: 'status' });
   private readonly notice = new Notice();
   private watched = '';
+  private ended = '';
 
   constructor(
     private readonly api: Api,
@@ -40,9 +41,10 @@ export class OperationProgress {
 
   // Follows an operation instead of the one before.
   watch(operation: Operation): void {
+    // It can be older than what is shown.
+    if (operation.name === this.watched || operation.name === this.ended) return;
     this.notice.clear();
     this.draw(operation);
-    if (operation.name === this.watched) return;
     this.watched = operation.name;
     void this.follow(operation.name);
   }
@@ -58,6 +60,7 @@ export class OperationProgress {
         this.draw(operation);
         if (!isDone(operation)) continue;
         this.watched = '';
+        this.ended = name;
         this.done(operation);
         return;
       } catch (error) {

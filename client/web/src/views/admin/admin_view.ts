@@ -9,16 +9,18 @@ import { OperationsPanel } from './operations_panel';
 import { StatusPanel } from './status_panel';
 import { TokensPanel } from './tokens_panel';
 
-// State and administration of the server; each section is there if the caller's role permits it.
+// State and administration of the server; each section is there if the caller's role permits it. The
+// token of one database permits nothing about the whole server.
 export const open: OpenView = (host, context) => {
   const disposer = new Disposer();
-  const admin = mayActAs(context.session, 'admin');
+  const server = context.session.database === '';
+  const admin = server && mayActAs(context.session, 'admin');
   host.append(
     element(
       'div',
       { class: 'stack' },
       element('h1', {}, 'Server'),
-      new StatusPanel(context, disposer).node,
+      server && new StatusPanel(context, disposer).node,
       new OperationsPanel(context, disposer).node,
       new BackupPanel(context, disposer, admin).node,
       admin && new TokensPanel(context, disposer).node,

@@ -4,6 +4,7 @@ import { mayActAs } from '../../api/session';
 import type { Disposer } from '../../dom/disposer';
 import { button, element, replaceChildren } from '../../dom/element';
 import { time } from '../../dom/format';
+import { keepFocus } from '../../dom/focus';
 import { Notice } from '../../dom/notice';
 import { poll } from '../../dom/poller';
 import { tableOf } from '../../dom/table';
@@ -42,7 +43,9 @@ export class OperationsPanel {
         { signal: this.disposer.signal },
       );
       this.notice.clear();
-      if (!this.list.contains(document.activeElement)) this.draw(operations);
+      keepFocus(this.list, () => {
+        this.draw(operations);
+      });
     } catch (error) {
       this.notice.error(error);
     }
@@ -84,7 +87,7 @@ export class OperationsPanel {
   }
 
   private cancelButton(operation: Operation): HTMLElement {
-    const node = button('Cancel', () => {
+    const cancel = () => {
       node.disabled = true;
       this.cancelNotice.clear();
       this.context.api.operations
@@ -94,8 +97,8 @@ export class OperationsPanel {
           node.disabled = false;
           this.cancelNotice.error(error);
         });
-      node.blur();
-    });
+    };
+    const node = button('Cancel', cancel, { 'data-key': operation.name });
     return node;
   }
 }

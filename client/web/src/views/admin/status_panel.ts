@@ -3,6 +3,7 @@ import { lastPart } from '../../api/resource_names';
 import { LineChart, type ChartLine } from '../../chart/line_chart';
 import type { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
+import { keepFocus } from '../../dom/focus';
 import { bytes, count, percent, time } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import { poll } from '../../dom/poller';
@@ -104,7 +105,12 @@ export class StatusPanel {
       ),
     );
     for (const { chart, lines } of this.charts) chart.setData(this.history.times, lines());
-    if (this.databases.contains(document.activeElement)) return;
+    keepFocus(this.databases, () => {
+      this.drawDatabases(status);
+    });
+  }
+
+  private drawDatabases(status: GetServerStatusResponse): void {
     replaceChildren(
       this.databases,
       tableOf(
@@ -120,7 +126,7 @@ export class StatusPanel {
         status.databases.map((database) => {
           const id = lastPart(database.name);
           return [
-            element('a', { href: hrefOf({ view: 'clips', database: id }) }, id),
+            element('a', { href: hrefOf({ view: 'clips', database: id }), 'data-key': id }, id),
             count(database.clipCount),
             count(database.storedFrameCount),
             count(database.modelVersion),

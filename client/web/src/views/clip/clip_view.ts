@@ -122,7 +122,7 @@ class ClipView {
           pane.stage.setPart(part, on);
           compare.setPart(part, on);
           this.context.setQuery({
-            show: kStageParts.filter((each) => pane.stage.has(each)).join(','),
+            show: kStageParts.filter((each) => pane.stage.has(each)).join(',') || 'none',
           });
         }),
         compare.node,

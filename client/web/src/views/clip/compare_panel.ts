@@ -13,6 +13,7 @@ import { MotionPane } from './motion_pane';
 export class ComparePanel {
   readonly node: HTMLElement;
   private readonly notice = new Notice();
+  private unlinkCameras: () => void = () => undefined;
   private readonly namesNotice = new Notice();
   private readonly clip: HTMLInputElement;
   private readonly names = element('datalist', { id: 'compare-clips' });
@@ -68,7 +69,9 @@ export class ComparePanel {
         this.pane?.stage.show(clock.time + this.offsetSeconds);
       }),
     );
-    disposer.add(() => this.pane?.dispose());
+    disposer.add(() => {
+      this.closePane();
+    });
     if (this.clip.value !== '') void this.openClip();
   }
 
@@ -108,8 +111,7 @@ export class ComparePanel {
 
   private async openClip(): Promise<void> {
     const signal = this.opening.begin();
-    this.pane?.dispose();
-    this.pane = undefined;
+    this.closePane();
     this.align.disabled = true;
     this.notice.clear();
     const id = this.clip.value.trim();
@@ -150,22 +152,31 @@ export class ComparePanel {
     }
   }
 
+  private closePane(): void {
+    this.unlinkCameras();
+    this.unlinkCameras = () => undefined;
+    this.pane?.dispose();
+    this.pane = undefined;
+  }
+
   // The second camera looks from the same side as the first.
   private linkCameras(pane: MotionPane): void {
     const first = this.first.stage.scene?.orbit;
     const second = pane.stage.scene?.orbit;
     if (!first || !second) return;
-    this.disposer.add(
-      first.onMove(() => {
-        if (this.pane === pane) second.copyView(first);
-      }),
-    );
+    this.unlinkCameras = first.onMove(() => {
+      second.copyView(first);
+    });
   }
 
   private alignClips(): void {
     const motion = this.first.motion;
     const other = this.pane?.motion;
     if (!motion || !other) return;
+    if (motion.receivedFrames < motion.frameCount) {
+      this.notice.message('The first clip is still loading.');
+      return;
+    }
     this.offset.value = alignmentOffset(motion, other).toFixed(3);
     this.show();
     this.context.announce(`Offset ${this.offset.value} seconds`);

@@ -16,6 +16,8 @@ test('takes the rules of the mapping, otherwise the point with the name of the m
     { marker: 'LKnee', rule: '0.9 "l thigh" + 0.1 pelvis' },
     { marker: 'tail', rule: 'tail' },
   ]);
+  const hash = 'LKnee = 0.5 "Rig#Head" + 0.5 "a""#b" # a comment with "quotes"\n';
+  expect(rulesOf(['LKnee'], points, hash)[0]?.rule).toBe('0.5 "Rig#Head" + 0.5 "a""#b"');
 });
 
 test('writes a mapping with the points of its rules as signature', () => {

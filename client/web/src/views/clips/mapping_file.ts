@@ -21,7 +21,8 @@ export function rulesOf(
 ): MarkerRule[] {
   const written = new Map<string, string>();
   for (const line of text.split('\n')) {
-    const found = /^\s*("(?:[^"]|"")+"|[^\s#="]+)\s*=\s*([^#]*?)\s*(?:#.*)?$/.exec(line);
+    const found =
+      /^\s*("(?:[^"]|"")+"|[^\s#="]+)\s*=\s*((?:"(?:[^"]|"")*"|[^#"])*?)\s*(?:#.*)?$/.exec(line);
     if (found?.[1] !== undefined) written.set(unquoteName(found[1]), found[2] ?? '');
   }
   return markers.map((marker) => {

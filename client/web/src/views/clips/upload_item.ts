@@ -32,6 +32,7 @@ export class UploadItem {
   private readonly details = element('details', {}, element('summary', {}, 'Mapping'));
   private readonly storeButton: HTMLButtonElement;
   private readonly abort = new AbortController();
+  private checked: UploadClipResponse | undefined;
   private editor: MappingEditor | undefined;
 
   constructor(
@@ -45,6 +46,7 @@ export class UploadItem {
     this.takeField.hidden = true;
     this.details.hidden = true;
     this.take.addEventListener('change', () => void this.check(true));
+    this.details.addEventListener('toggle', () => void this.drawMapping());
     this.node = element(
       'article',
       { class: 'upload-item stack', 'aria-label': job.motion.name },
@@ -80,8 +82,7 @@ export class UploadItem {
     try {
       const checked = await this.upload(true);
       if (this.abort.signal.aborted) return;
-      await this.show(checked);
-      this.details.open ||= open;
+      this.show(checked, open);
       this.enter('checked', 'checked');
     } catch (error) {
       this.fail(error);
@@ -100,8 +101,7 @@ export class UploadItem {
         element('a', { href: hrefOf({ view: 'clip', database: this.database, path: [id] }) }, id),
       );
       this.details.hidden = true;
-      this.editor?.dispose();
-      this.editor = undefined;
+      this.removeEditor();
       this.events.stored(operation);
     } catch (error) {
       this.fail(error);
@@ -110,7 +110,7 @@ export class UploadItem {
 
   dispose(): void {
     this.abort.abort();
-    this.editor?.dispose();
+    this.removeEditor();
     this.node.remove();
   }
 
@@ -135,21 +135,42 @@ export class UploadItem {
     );
   }
 
-  private async show(checked: UploadClipResponse): Promise<void> {
+  private show(checked: UploadClipResponse, open: boolean): void {
     const { clip } = checked;
     if (clip) {
       const duration = seconds(clip.durationSeconds);
       this.report.textContent = `${duration}, ${clip.frameCount} frames. ${clip.sourceReport}`;
     }
-    // Loaded here: the list of clips itself needs no graphics.
-    const { MappingEditor: Editor } = await import('./mapping_editor');
-    this.editor?.dispose();
-    if (this.abort.signal.aborted) return;
-    this.editor = new Editor(this.context, this.database, this.job.motion.name, checked, () => {
-      void this.check(true);
-    });
-    this.details.append(this.editor.node);
+    this.removeEditor();
+    this.checked = checked;
     this.details.hidden = false;
+    if (this.details.open) void this.drawMapping();
+    else this.details.open = open;
+  }
+
+  // The mapping of an open item. A browser has few pictures in three dimensions at a time, and a
+  // folder has many files.
+  private async drawMapping(): Promise<void> {
+    const { checked, details } = this;
+    const isDrawn = () => this.editor !== undefined;
+    if (!checked || !details.open || isDrawn()) return;
+    try {
+      // Loaded here: the list of clips itself needs no graphics.
+      const { MappingEditor: Editor } = await import('./mapping_editor');
+      if (this.checked !== checked || isDrawn()) return;
+      this.editor = new Editor(this.context, this.database, this.job.motion.name, checked, () => {
+        void this.check(true);
+      });
+      details.append(this.editor.node);
+    } catch (error) {
+      this.notice.error(error);
+    }
+  }
+
+  private removeEditor(): void {
+    this.checked = undefined;
+    this.editor?.dispose();
+    this.editor = undefined;
   }
 
   private fail(error: unknown): void {

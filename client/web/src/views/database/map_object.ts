@@ -39,6 +39,9 @@ export class MapObject implements MapPicture {
   private readonly group = new Group();
   private readonly viewMatrix = new Matrix4();
   private readonly drawnMatrix = new Matrix4();
+  // Objects of the map before. They keep the programs of their materials until the new objects are
+  // drawn, because compiling them again takes up to seconds.
+  private readonly replaced: Object3D[] = [];
   private map: StateMap | undefined;
   private appearance: MapAppearance | undefined;
   private ellipsoids: Ellipsoids | undefined;
@@ -52,7 +55,8 @@ export class MapObject implements MapPicture {
   }
 
   draw(map: StateMap, appearance: MapAppearance): void {
-    this.clear();
+    this.replaced.push(...this.group.children);
+    this.group.clear();
     this.map = map;
     this.appearance = appearance;
     const { centre, radius } = extentOf(map);
@@ -71,6 +75,9 @@ export class MapObject implements MapPicture {
     this.dots = dots;
     dots.onAfterRender = () => {
       this.watchCamera();
+      queueMicrotask(() => {
+        disposeAll(this.replaced);
+      });
     };
     this.ellipsoids = createEllipsoids(Math.min(nodes.ids.length, kEllipsoidBudget));
     this.group.add(
@@ -114,7 +121,8 @@ export class MapObject implements MapPicture {
 
   dispose(): void {
     clearTimeout(this.timer);
-    this.clear();
+    disposeAll(this.replaced);
+    disposeAll([...this.group.children]);
     this.scene.root.remove(this.group);
   }
 
@@ -192,16 +200,14 @@ export class MapObject implements MapPicture {
     if (ellipsoids.instanceColor) ellipsoids.instanceColor.needsUpdate = true;
     this.scene.invalidate();
   }
+}
 
-  private clear(): void {
-    for (const child of [...this.group.children]) {
-      const drawn = child as Ellipsoids | GridHelper;
-      drawn.geometry.dispose();
-      drawn.material.dispose();
-      if (drawn instanceof InstancedMesh) drawn.dispose();
-    }
-    this.group.clear();
-    this.ellipsoids = undefined;
-    this.dots = undefined;
+// Disposes objects and empties the list.
+function disposeAll(objects: Object3D[]): void {
+  for (const each of objects.splice(0)) {
+    const drawn = each as Ellipsoids | GridHelper;
+    drawn.geometry.dispose();
+    drawn.material.dispose();
+    if (drawn instanceof InstancedMesh) drawn.dispose();
   }
 }

@@ -22,6 +22,10 @@ export class NodePoses {
 
   // Poses in the order of the nodes. Rejects for unknown nodes, and for a model that was replaced.
   async load(of: NodeLayer, nodeIds: readonly number[]): Promise<Pose[]> {
+    if (of.modelVersion === 0) {
+      // Models that are not stored have no number that tells them apart.
+      for (const key of this.poses.keys()) if (key.startsWith('0:')) this.poses.delete(key);
+    }
     const missing = [...new Set(nodeIds)].filter((id) => !this.poses.has(keyOf(of, id)));
     if (missing.length > 0) {
       const [bones, response] = await Promise.all([

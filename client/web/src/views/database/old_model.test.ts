@@ -86,8 +86,17 @@ test('poses are asked for, and kept, by model', async () => {
 test('a model that is not stored yet is read as the current one', async () => {
   const { api, getNodePoses } = databaseOf();
   const poses = new NodePoses(api, 'demo', new AbortController().signal);
-  await poses.load({ modelVersion: 0, layer: 2 }, [4]).catch(() => undefined);
+  const unstored = { modelVersion: 0, layer: 2 };
+  await poses.load(unstored, [4]).catch(() => undefined);
   expect(getNodePoses.mock.calls[0]?.[0].parent).toBe('databases/demo/models/current');
+  // The next one can be another model.
+  for (const height of [7, 8]) {
+    const markerPositions = floatBytes(Float32Array.of(0, 0, height));
+    const markerVelocities = floatBytes(new Float32Array(3));
+    const answer = { poses: [{ nodeId: 4, markerPositions, markerVelocities }] };
+    getNodePoses.mockResolvedValueOnce(answer);
+    expect((await poses.load(unstored, [4]))[0]?.positions[2]).toBe(height);
+  }
 });
 
 test('a map of an old model says so and is read again', async () => {

@@ -42,12 +42,27 @@ export class LabelRibbon {
       const next = following?.time ?? moment.time + kLastSeconds;
       const x = kWidth - (last.time - moment.time) * scale;
       const height = kHeight * Math.min(Math.max(moment.probability, 0.04), 1);
-      context.fillStyle = this.theme.color(
-        moment.unknown ? '--line' : labelColorProperty(moment.label),
-      );
+      context.fillStyle = moment.unknown
+        ? this.hatching(context)
+        : this.theme.color(labelColorProperty(moment.label));
       context.fillRect(x, kHeight - height, Math.max(1, (next - moment.time) * scale), height);
     });
     this.text.textContent = describe(last);
+  }
+
+  // Diagonal lines, as in the ribbon of a query.
+  private hatching(context: CanvasRenderingContext2D): CanvasPattern | string {
+    const size = 8;
+    const tile = element('canvas', { width: size, height: size });
+    const drawing = tile.getContext('2d');
+    if (!drawing) return this.theme.color('--hint');
+    drawing.fillStyle = this.theme.color('--panel');
+    drawing.fillRect(0, 0, size, size);
+    drawing.fillStyle = this.theme.color('--hint');
+    for (let y = 0; y < size; ++y) {
+      for (let width = 0; width < 3; ++width) drawing.fillRect((y + width) % size, y, 1, 1);
+    }
+    return context.createPattern(tile, 'repeat') ?? this.theme.color('--hint');
   }
 }
 

@@ -45,6 +45,7 @@ export class StreamWatch {
       theme: context.theme,
       label: 'Latency of the last answers',
       unit: 'ms',
+      x: 'answer',
       height: 130,
     });
     const follow = element('input', { type: 'checkbox', checked: true });

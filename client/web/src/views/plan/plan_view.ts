@@ -185,8 +185,9 @@ class PlanPage implements View {
 
   // During a search, the answer and its files are those of the search before.
   private showPlanning(planning: boolean): void {
+    const found = this.response !== undefined && motionsOf(this.response).length > 0;
     this.answer.setAttribute('aria-busy', String(planning));
-    for (const download of this.downloads) download.disabled = planning;
+    for (const download of this.downloads) download.disabled = planning || !found;
   }
 
   // Shows one of the motions of the response.
@@ -205,7 +206,10 @@ class PlanPage implements View {
     );
     this.floor.showBody(undefined);
     const planned = motions[index];
-    if (!planned) return;
+    if (!planned) {
+      this.clearMotion();
+      return;
+    }
     const name = databaseName(this.params.database);
     const { signal } = this.disposer;
     try {
@@ -225,6 +229,15 @@ class PlanPage implements View {
         if (this.response === response && this.chosen === index) void this.show(index);
       });
     }
+  }
+
+  // A search can find no motion.
+  private clearMotion(): void {
+    this.motion = undefined;
+    this.clock.pause();
+    this.clock.resize(0, 60, 0);
+    this.stage.clear();
+    if (this.stage.scene) this.stage.node.append(this.hint);
   }
 
   // The same search again gives the same motions, now as files.

@@ -24,15 +24,15 @@ export class PathMap {
   ) {}
 
   async show({ estimate, prediction }: MomentAnswer, signal: AbortSignal): Promise<void> {
-    this.node.hidden = false;
     const { layer, modelVersion } = estimate;
-    const known = this.map?.header;
-    if (known?.layer !== layer || known.modelVersion !== modelVersion) {
-      const request = { database: this.database, layer, clip: '', maxPoints: 10_000 };
-      this.map = await loadMap(this.api, request, signal);
-    }
-    const map = this.map;
-    if (!map) return;
+    const request = { database: this.database, layer, clip: '', maxPoints: 10_000 };
+    const known = this.map?.header.layer === layer ? this.map : undefined;
+    const map = await loadMap(this.api, request, signal, known);
+    this.map = map;
+    // 0: not stored yet.
+    if (map.header.modelVersion !== 0 && map.header.modelVersion !== modelVersion)
+      throw new Error('The model was built again: predict again to see the path of nodes.');
+    this.node.hidden = false;
     const places = new Map(Array.from(map.nodes.ids, (id, place) => [id, place]));
     const ids = estimate.paths[0]?.nodeIds ?? [];
     const path = withoutRepeats(ids.flatMap((id) => places.get(id) ?? []));

@@ -46,6 +46,7 @@ class QueryPage implements View {
   private observed: ObservedMotion | undefined;
   private windows: readonly RecognitionWindow[] = [];
   private asking = new AbortController();
+  private predicting = new AbortController();
 
   constructor(
     host: HTMLElement,
@@ -100,6 +101,7 @@ class QueryPage implements View {
   close(): void {
     this.disposer.dispose();
     this.asking.abort();
+    this.predicting.abort();
     this.clock.pause();
     this.player.dispose();
     this.ghosts.clear();
@@ -143,6 +145,10 @@ class QueryPage implements View {
     const { database } = this.params;
     this.clearMoment(false);
     this.profiles.clear();
+    this.observed = undefined;
+    this.windows = [];
+    this.answer.hidden = true;
+    this.clock.pause();
     if (clip === '' && files.length === 0) {
       this.notice.message('Choose a clip of the database or a motion file.');
       return;
@@ -198,7 +204,9 @@ class QueryPage implements View {
   private async askMoment(at: number): Promise<void> {
     const { observed } = this;
     if (!observed) return;
-    const { signal } = this.asking;
+    this.predicting.abort();
+    this.predicting = new AbortController();
+    const { signal } = this.predicting;
     this.clock.pause();
     this.clock.seek(at);
     this.change({ at });
@@ -211,7 +219,7 @@ class QueryPage implements View {
       };
       const { history } = this.settings;
       const answer = await askMoment(this.context.api, question, at, history, signal);
-      if (this.settings.at !== at || this.observed !== observed) return;
+      if (signal.aborted) return;
       const poses = comparePoses(observed, answer.prediction);
       this.moment.notice.clear();
       this.moment.show(answer, poses, observed.motion.markers);
@@ -219,11 +227,13 @@ class QueryPage implements View {
       await this.pathMap.show(answer, signal);
     } catch (error) {
       if (!signal.aborted) this.moment.notice.error(error);
+      this.pathMap.hide();
       this.context.connection.whenRestored(error, signal, () => void this.askMoment(at));
     }
   }
 
   private clearMoment(forget = true): void {
+    this.predicting.abort();
     if (forget) this.change({ at: undefined });
     this.moment.clear();
     this.ghosts.clear();

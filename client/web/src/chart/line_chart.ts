@@ -104,7 +104,7 @@ export class LineChart {
         width: Math.max(100, this.node.clientWidth),
         height: this.height,
         scales: { x: { time: this.options.times === true } },
-        axes: [axis, { ...axis, label: this.unit, size: 56, labelSize: 18 }],
+        axes: [axis, { ...axis, label: this.unit, size: 56, labelSize: 18, space: 24 }],
         series: [
           { label: this.options.times === true ? 'time' : (this.options.x ?? 's') },
           ...this.lines.map((line) => ({

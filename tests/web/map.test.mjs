@@ -77,8 +77,11 @@ async function cameraOf(page) {
 async function moved(page, gesture) {
   const { hash } = new URL(page.url());
   await gesture();
-  await page.waitForFunction((before) => location.hash !== before, hash);
-  await page.waitForTimeout(500); // the page writes a gesture in parts
+  // The page writes a gesture in parts.
+  for (let last = hash; last === hash || last !== new URL(page.url()).hash; ) {
+    last = new URL(page.url()).hash;
+    await page.waitForTimeout(500);
+  }
   return cameraOf(page);
 }
 

@@ -77,6 +77,7 @@ test('a token of one database sees no sections about the server', async (t) => {
   const sections = await page.locator('main section').evaluateAll((all) => all.map((each) => each.ariaLabel));
   assert.deepEqual(sections, ['Operations', 'Downloads']);
   const downloads = page.getByRole('region', { name: 'Downloads', exact: true });
+  await downloads.locator('option').waitFor({ state: 'attached' });
   assert.deepEqual(await downloads.locator('option').allTextContents(), ['roles']);
   assert.equal(await page.locator('.notice.error:visible').count(), 0);
 });

@@ -1,9 +1,13 @@
-// Draws a part of the page anew and gives the focus back to the element with the same `data-key`.
-// While the pointer presses something in it, does nothing: that would be no click.
+// Draws a part of the page anew, gives the focus back to the element with the same `data-key`, and
+// keeps the sideways position of a table.
 export function keepFocus(node: Element, draw: () => void): void {
-  if (node.matches(':active')) return;
+  const left = node.querySelector('.table-scroll')?.scrollLeft ?? 0;
   const focused = node.contains(document.activeElement) ? document.activeElement : null;
   const key = focused?.getAttribute('data-key') ?? null;
   draw();
-  if (key !== null) node.querySelector<HTMLElement>(`[data-key="${CSS.escape(key)}"]`)?.focus();
+  const scroll = node.querySelector('.table-scroll');
+  if (scroll) scroll.scrollLeft = left;
+  if (key === null) return;
+  const again = node.querySelector<HTMLElement>(`[data-key="${CSS.escape(key)}"]`);
+  again?.focus({ preventScroll: true });
 }

@@ -78,6 +78,9 @@ export class Shell {
         this.connection.failed(error);
       });
     }, kWatchMilliseconds);
+    // A link or a new load of the page leaves an address that is complete.
+    addEventListener('click', this.flushAddress, { capture: true });
+    addEventListener('pagehide', this.flushAddress);
     // After a login, `start` follows the address.
     addEventListener('hashchange', () => {
       if (this.loggedIn) void this.follow(parsePlace(location.hash));
@@ -121,6 +124,7 @@ export class Shell {
   }
 
   private showLogin(): void {
+    this.flushAddress();
     this.closeView();
     this.drawHeader();
     openLogin(this.host, () => void this.start());
@@ -205,6 +209,7 @@ export class Shell {
       theme: this.theme,
       motions: this.motions,
       navigate: (place) => {
+        this.flushAddress();
         location.assign(hrefOf(place));
       },
       setQuery: (values) => {
@@ -235,6 +240,12 @@ export class Shell {
     }
   }
 
+  private flushAddress = (): void => {
+    if (this.writingAddress === undefined) return;
+    clearTimeout(this.writingAddress);
+    this.writeAddress();
+  };
+
   // Browsers refuse many changes of the address in a short time, as while a slider is dragged.
   private writeAddress(): void {
     this.writingAddress = undefined;
@@ -246,6 +257,7 @@ export class Shell {
   }
 
   private changeDatabase(database: string): void {
+    this.flushAddress();
     const route = kRoutes.find((candidate) => candidate.view === this.place.view);
     const view = route?.needsDatabase === true && route.title !== '' ? route.view : 'clips';
     location.assign(hrefOf({ view, database }));

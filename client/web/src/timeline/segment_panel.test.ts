@@ -82,7 +82,8 @@ test('a second edit before the answer of the first is no conflict', async () => 
     source: SegmentSource.PERSON,
     author: '',
   });
-  const updateSegment = vi.fn(async ({ segment }: { segment: { etag: string } }) => {
+  type Update = { segment: { etag: string }; updateMask: { paths: string[] } };
+  const updateSegment = vi.fn(async ({ segment }: Update) => {
     await new Promise((resolve) => setTimeout(resolve, 5));
     if (segment.etag !== String(etag)) throw new ConnectError('conflict', Code.Aborted);
     ++etag;
@@ -111,5 +112,9 @@ test('a second edit before the answer of the first is no conflict', async () => 
   }
   await new Promise((resolve) => setTimeout(resolve, 50));
   expect(updateSegment).toHaveBeenCalledTimes(3);
+  // Only the edge that moved is sent.
+  expect(updateSegment.mock.calls.map(([{ updateMask }]) => updateMask.paths)).toEqual(
+    Array.from({ length: 3 }, () => ['end_seconds']),
+  );
   expect(panel.node.querySelector('.notice.error:not([hidden])')).toBeNull();
 });

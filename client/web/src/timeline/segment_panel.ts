@@ -42,8 +42,11 @@ export class SegmentPanel {
       select: (segment) => {
         this.select(segment?.name ?? '');
       },
-      move: (segment, range) => {
-        this.run(() => this.store.update(segment, range));
+      move: (segment, { start, end }) => {
+        const change: Partial<TimeRange> = {};
+        if (start !== segment.start) change.start = start;
+        if (end !== segment.end) change.end = end;
+        this.run(() => this.store.update(segment, change));
       },
     });
     this.store = new SegmentStore(
@@ -169,14 +172,15 @@ export class SegmentPanel {
     const track = element('input', { value: 'action', maxlength: 63, pattern: '[a-z0-9_\\-]+' });
     const label = element('input', { maxlength: 255 });
     const create = () => {
+      const { clock } = this.options;
+      const name = track.value.trim() === '' ? 'action' : track.value.trim();
+      const at = snapToFrame(clock.time, clock.frameRate);
+      const text = label.value;
       this.run(async () => {
-        const name = track.value.trim() === '' ? 'action' : track.value.trim();
-        const { clock } = this.options;
-        const at = snapToFrame(clock.time, clock.frameRate);
         const range = freeRange(name, at, this.coveringLeft(name), clock.duration);
         if (!range)
           throw new Error(`Track ${name} has a segment here. Move to a free time, or shorten it.`);
-        const segment = await this.store.add(name, label.value, { start: at, end: range.end });
+        const segment = await this.store.add(name, text, { start: at, end: range.end });
         this.select(segment.name);
       });
     };

@@ -21,6 +21,8 @@ export interface StoredSegment extends TimedSegment {
 // change of somebody else in between is an ABORTED error and not lost.
 export class SegmentStore {
   private segments: StoredSegment[] = [];
+  // Etags that updates of this page have given, by name and etag before.
+  private readonly successors = new Map<string, string>();
 
   constructor(
     private readonly api: Api,
@@ -89,8 +91,7 @@ export class SegmentStore {
     segment: StoredSegment,
     change: Partial<TimeRange> & { label?: string },
   ): Promise<void> {
-    // An update before can have changed it.
-    const { etag } = this.find(segment.name) ?? segment;
+    const etag = this.newestEtag(segment);
     const paths = [];
     if (change.label !== undefined) paths.push('label');
     if (change.start !== undefined) paths.push('start_seconds');
@@ -112,6 +113,7 @@ export class SegmentStore {
     );
     const stored = response.segment;
     if (stored) {
+      this.successors.set(`${segment.name} ${etag}`, stored.etag);
       this.segments = this.segments.map((old) =>
         old.name === stored.name ? this.convert(stored) : old,
       );
@@ -121,7 +123,7 @@ export class SegmentStore {
 
   async remove(segment: StoredSegment): Promise<void> {
     const response = await this.api.segments.deleteSegment(
-      { name: segment.name, etag: segment.etag },
+      { name: segment.name, etag: this.newestEtag(segment) },
       { signal: this.signal },
     );
     this.segments = this.segments.filter((old) => old.name !== segment.name);
@@ -141,6 +143,17 @@ export class SegmentStore {
     await this.reload();
     this.changed(response.operation);
     return true;
+  }
+
+  // The etag after the changes that this page made to the segment; a change of another client is
+  // still a conflict.
+  private newestEtag({ name, etag }: StoredSegment): string {
+    let newest = etag;
+    for (;;) {
+      const next = this.successors.get(`${name} ${newest}`);
+      if (next === undefined) return newest;
+      newest = next;
+    }
   }
 
   private convert(segment: Segment): StoredSegment {

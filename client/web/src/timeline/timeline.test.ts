@@ -44,7 +44,12 @@ test('arrow keys move the edge of the selected segment by frames, stored at thei
   for (let i = 0; i < 3; ++i) press('keydown');
   expect(events.move).not.toHaveBeenCalled();
   expect(edge?.getAttribute('aria-valuenow')).toBe('2.050');
+  // Changes that arrive meanwhile are drawn at the end; the edge that goes then stores nothing again.
+  timeline.setSegments([{ ...stored, etag: 'other' }]);
+  expect(edge?.isConnected).toBe(true);
   press('keyup');
+  edge?.dispatchEvent(new Event('blur'));
+  expect(edge?.isConnected).toBe(false);
   expect(events.move).toHaveBeenCalledOnce();
   const [, range] = events.move.mock.calls[0] as [StoredSegment, { start: number; end: number }];
   expect(range.start).toBe(1);

@@ -27,6 +27,10 @@ export class Timeline {
   private selected = '';
   private zoom = 1;
   private shownTime = -1;
+  // The edge that a key moves; it is not drawn anew meanwhile, but afterwards if something `waiting`
+  // has changed.
+  private held: HTMLElement | undefined;
+  private waiting = false;
 
   constructor(
     private readonly duration: number,
@@ -73,6 +77,8 @@ export class Timeline {
   }
 
   private draw(): void {
+    this.waiting = this.held !== undefined;
+    if (this.waiting) return;
     const axis = element('div', { class: 'axis', 'aria-hidden': 'true' });
     for (const tick of ticksOf(this.duration, kMaxTicks * this.zoom)) {
       const mark = element('span', {}, String(Number(tick.toFixed(2))));
@@ -138,7 +144,10 @@ export class Timeline {
       moveEdge(segment, edge, seconds, this.segments, this.duration, this.frameRateHz);
     let range: TimeRange = { start: segment.start, end: segment.end };
     const commit = () => {
+      if (this.held !== handle) return;
+      this.held = undefined;
       if (range[edge] !== segment[edge]) this.events.move(segment, range);
+      if (this.waiting) this.draw();
     };
     handle.addEventListener('keydown', (event) => {
       const steps: Record<string, number> = {
@@ -152,6 +161,7 @@ export class Timeline {
       event.preventDefault();
       event.stopPropagation();
       // A held key moves the edge many times; the change is stored when the key is released.
+      this.held = handle;
       range = moved(range[edge] + step / this.frameRateHz);
       this.place(node, range);
       handle.setAttribute('aria-valuenow', range[edge].toFixed(3));
@@ -162,6 +172,7 @@ export class Timeline {
     handle.addEventListener('pointerdown', (event) => {
       event.preventDefault();
       event.stopPropagation();
+      this.held = undefined;
       this.drag(handle, event, node, segment, edge, moved);
     });
     return handle;

@@ -43,6 +43,8 @@ export class OperationsPanel {
         { signal: this.disposer.signal },
       );
       this.notice.clear();
+      // A click needs the same button when the pointer is released.
+      if (this.list.matches(':active')) return;
       keepFocus(this.list, () => {
         this.draw(operations);
       });

@@ -105,6 +105,8 @@ export class StatusPanel {
       ),
     );
     for (const { chart, lines } of this.charts) chart.setData(this.history.times, lines());
+    // A click needs the same button when the pointer is released.
+    if (this.databases.matches(':active')) return;
     keepFocus(this.databases, () => {
       this.drawDatabases(status);
     });

@@ -173,6 +173,7 @@ export class ComparePanel {
     const motion = this.first.motion;
     const other = this.pane?.motion;
     if (!motion || !other) return;
+    this.notice.clear();
     if (motion.receivedFrames < motion.frameCount) {
       this.notice.message('The first clip is still loading.');
       return;

@@ -19,6 +19,7 @@ export async function loadMap(
   known?: StateMap,
 ): Promise<StateMap> {
   const reader = new StateMapReader();
+  const rest = new AbortController();
   const { database, layer, clip, maxPoints } = request;
   const stream = api.views.readStateMap(
     {
@@ -27,14 +28,16 @@ export async function loadMap(
       clip: clip === '' ? '' : clipName(database, clip),
       maxPoints,
     },
-    { signal },
+    { signal: AbortSignal.any([signal, rest.signal]) },
   );
   for await (const message of stream) {
     reader.add(message);
     const { part } = message;
     // A model that is not stored has no number that tells it apart.
     if (known && part.case === 'header' && part.value.modelVersion !== 0) {
-      if (part.value.modelVersion === known.header.modelVersion) return known;
+      if (part.value.modelVersion !== known.header.modelVersion) continue;
+      rest.abort();
+      return known;
     }
   }
   return reader.finish();

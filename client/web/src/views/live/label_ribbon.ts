@@ -37,13 +37,14 @@ export class LabelRibbon {
     if (!context || !last) return;
     context.clearRect(0, 0, kWidth, kHeight);
     const scale = kWidth / this.lengthSeconds;
+    const unknown = moments.some((moment) => moment.unknown) ? this.hatching(context) : '';
     moments.forEach((moment, index) => {
       const following = moment.beforeGap === true ? undefined : moments[index + 1];
       const next = following?.time ?? moment.time + kLastSeconds;
       const x = kWidth - (last.time - moment.time) * scale;
       const height = kHeight * Math.min(Math.max(moment.probability, 0.04), 1);
       context.fillStyle = moment.unknown
-        ? this.hatching(context)
+        ? unknown
         : this.theme.color(labelColorProperty(moment.label));
       context.fillRect(x, kHeight - height, Math.max(1, (next - moment.time) * scale), height);
     });

@@ -1,11 +1,10 @@
 #!/usr/bin/python3
 """Tests the web page in a browser: real servers, real motion, Chromium.
 
-    web_page_test.py MOTIONDBD MOTIONDB DATA_FOLDER PAGE_FOLDER [PART | TEST...]
+    web_page_test.py MOTIONDBD MOTIONDB DATA_FOLDER PAGE_FOLDER [TEST...]
 
 TEST: name of a file here without .test.mjs, for example session; otherwise all but `speed` and
-`large`, which measure times and need an idle machine. PART: 1/2 or 2/2, half of these files; both
-can run at the same time, because each has its own servers. `large` reads the store MOTIONDB_LARGE_STORE,
+`large`, which measure times and need an idle machine. `large` reads the store MOTIONDB_LARGE_STORE,
 which `motiondb_bench_scale --store FILE` creates. The test files get the servers in MOTIONDB_WEB_TEST
 (support/setup.mjs). MOTIONDB_WEB_THROTTLE=4 makes the processor of each page four times slower, to
 find races of page and tests. Exit code 77: skipped.
@@ -104,14 +103,9 @@ def start_servers(folder):
 
 def run_tests(setup, deadline):
     """Runs the test files in one process with one browser; returns its exit code."""
-    names = TESTS
-    if not TESTS or "/" in TESTS[0]:
-        names = sorted({os.path.basename(path).removesuffix(".test.mjs")
-                        for path in glob.glob(os.path.join(HERE, "*.test.mjs"))}
-                       - {"speed", "large"})
-    if TESTS and "/" in TESTS[0]:
-        part, parts = map(int, TESTS[0].split("/"))
-        names = names[part - 1::parts]
+    names = TESTS or sorted({os.path.basename(path).removesuffix(".test.mjs")
+                             for path in glob.glob(os.path.join(HERE, "*.test.mjs"))}
+                            - {"speed", "large"})
     try:
         return subprocess.run(
             ["node", "--test-reporter=spec", os.path.join(HERE, "run_tests.mjs"), *names],

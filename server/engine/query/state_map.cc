@@ -7,6 +7,7 @@
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "server/engine/engine.h"
+#include "server/engine/snapshot.h"
 
 namespace motiondb::server {
 namespace {
@@ -31,6 +32,10 @@ std::vector<int> PointsOf(const ModelLayer& layer, int max_points) {
 }
 
 }  // namespace
+
+int StateMap::model_version() const {
+  return snapshot().is_stored() ? snapshot().record.version : 0;
+}
 
 absl::StatusOr<std::shared_ptr<StateMap>> StateMap::Open(Engine& engine,
                                                          const LayerRequest& request,

@@ -26,7 +26,7 @@ class StateMap {
   const Snapshot& snapshot() const { return *layer_.snapshot; }
   const core::Model& model() const { return layer_.model(); }
   // Version of the model; 0: it is not stored yet.
-  int model_version() const { return snapshot().is_stored() ? snapshot().record.version : 0; }
+  int model_version() const;
   const core::StateAxes& axes() const { return *axes_; }
   int layer() const { return layer_.layer; }
   const TransitionList& transitions() const { return transitions_; }

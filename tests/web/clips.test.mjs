@@ -161,21 +161,26 @@ async function checkPoints(page, points, highlighted = '') {
   });
 }
 
-test('an edited rule of an uploaded file changes its figure and the stored clip', async (t) => {
-  const parent = 'databases/mapped';
-  await call(setup.open, 'DatabaseService/CreateDatabase', { databaseId: 'mapped' });
-  const motion = await readBvh('01_03');
-  const buffer = Buffer.from(bvhOf(motion, motion.rows.slice(600, 900)));
-  const before = await inspect(parent, 'part.bvh', buffer);
+// Uploads a part of a recording to a new database in a page. Returns the page when it shows the mapping,
+// and what the server finds in the file: `checked`, and `checkAgain` after a change.
+async function uploadPart(t, database, fileName, recording, first, end) {
+  const parent = `databases/${database}`;
+  await call(setup.open, 'DatabaseService/CreateDatabase', { databaseId: database });
+  const motion = await readBvh(recording);
+  const buffer = Buffer.from(bvhOf(motion, motion.rows.slice(first, end)));
+  const checkAgain = () => inspect(parent, fileName, buffer);
+  const checked = await checkAgain();
   const page = await newPage(t, { viewport: { width: 900, height: 700 } });
   await recordDrawing(page);
-  await page.goto(`${setup.open}/#/clips/mapped`);
-  await page.setInputFiles('input[type=file]', {
-    name: 'part.bvh',
-    mimeType: 'text/plain',
-    buffer,
-  });
-  await page.locator('.mapping p', { hasText: `Mapping: ${before.mapping}.` }).waitFor();
+  await page.goto(`${setup.open}/#/clips/${database}`);
+  await page.setInputFiles('input[type=file]', { name: fileName, mimeType: 'text/plain', buffer });
+  await page.locator('.mapping p', { hasText: `Mapping: ${checked.mapping}.` }).waitFor();
+  return { page, parent, checked, checkAgain };
+}
+
+test('an edited rule of an uploaded file changes its figure and the stored clip', async (t) => {
+  const upload = await uploadPart(t, 'mapped', 'part.bvh', '01_03', 600, 900);
+  const { page, parent, checked: before } = upload;
   await checkPoints(page, before.points);
   await page.getByLabel('Rule of Waist', { exact: true }).focus();
   await checkPoints(page, before.points, 'Spine');
@@ -185,7 +190,7 @@ test('an edited rule of an uploaded file changes its figure and the stored clip'
     await page.getByLabel(`Rule of ${marker}`, { exact: true }).fill(rule);
   await page.getByRole('button', { name: 'Use these rules' }).click();
   await page.locator('.mapping p', { hasText: 'Mapping: page-part.' }).waitFor();
-  const after = await inspect(parent, 'part.bvh', buffer);
+  const after = await upload.checkAgain();
   const usedPoints = ({ points }) =>
     new Set(points.filter(({ markerNames }) => markerNames).map(({ name }) => name));
   const expected = usedPoints(before);
@@ -290,16 +295,9 @@ function shownRules(item) {
 }
 
 test('the rules of an automatic mapping are those of the server, and can be stored', async (t) => {
-  const parent = 'databases/rigged';
-  await call(setup.open, 'DatabaseService/CreateDatabase', { databaseId: 'rigged' });
-  const motion = await readBvh('Boxing_Toes');
-  const buffer = Buffer.from(bvhOf(motion, motion.rows.slice(600, 800)));
-  const automatic = await inspect(parent, 'box.bvh', buffer);
-  const page = await newPage(t, { viewport: { width: 900, height: 700 } });
-  await page.goto(`${setup.open}/#/clips/rigged`);
-  await page.setInputFiles('input[type=file]', { name: 'box.bvh', mimeType: 'text/plain', buffer });
+  const upload = await uploadPart(t, 'rigged', 'box.bvh', 'Boxing_Toes', 600, 800);
+  const { page, checked: automatic } = upload;
   const item = page.locator('.upload-item');
-  await item.locator('.mapping p', { hasText: `Mapping: ${automatic.mapping}.` }).waitFor();
   await item.getByLabel('Rule of Waist', { exact: true }).waitFor({ state: 'attached' });
   const rules = await shownRules(item);
   // Some markers are offset from a joint or between joints, with weights of the server.
@@ -307,7 +305,7 @@ test('the rules of an automatic mapping are those of the server, and can be stor
   assert.deepEqual(rules, rulesIn(automatic.mappingText));
   await item.getByRole('button', { name: 'Use these rules' }).click();
   await item.locator('.mapping p', { hasText: 'Mapping: page-box.' }).waitFor();
-  const stored = await inspect(parent, 'box.bvh', buffer);
+  const stored = await upload.checkAgain();
   assert.equal(stored.mapping, 'page-box');
   assert.deepEqual(rulesIn(stored.mappingText), rules);
   assert.deepEqual(stored.points, automatic.points);

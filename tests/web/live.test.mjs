@@ -4,7 +4,7 @@ import { spawn } from 'node:child_process';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { checkAccessibility, disableWebGL, newPage, shown } from './support/browser.mjs';
+import { checkAccessibility, disableWebGL, newPage, shown, until } from './support/browser.mjs';
 import { bvhOf, readBvh } from './support/bvh.mjs';
 import { lineValues, recordCharts } from './support/charts.mjs';
 import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support/drawing.mjs';
@@ -64,19 +64,6 @@ function collectAnswers(t, name) {
   };
   read().catch(() => {}); // ends with the test
   return answers;
-}
-
-// Repeats a check while pictures and answers are of different moments.
-async function eventually(page, check) {
-  const end = performance.now() + 60_000;
-  for (;;) {
-    try {
-      return await check();
-    } catch (error) {
-      if (performance.now() > end) throw error;
-    }
-    await page.waitForTimeout(100);
-  }
 }
 
 // The newest values of the chart are latencies of the server, in order.
@@ -178,8 +165,9 @@ test('a stream shows its figure, labels, prediction and latency until it ends', 
     }
   });
   const [{ frameRateHz }] = list.streams;
-  await eventually(page, () => checkLatencies(page, answers));
-  await eventually(page, () => checkRibbon(page, answers, frameRateHz));
+  // Pictures and answers can be of different moments.
+  await until(() => checkLatencies(page, answers), 60);
+  await until(() => checkRibbon(page, answers, frameRateHz), 60);
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });
     await checkAccessibility(page);

@@ -88,7 +88,7 @@ test('pictures leave nothing behind', async (t) => {
 test('200 clips leave nothing behind', async (t) => {
   const page = await newPage(t, { viewport });
   await disableWebGL(page);
-  const { opened, loaded } = await checkMemory(t, page, 20, kManyClips, 240);
+  const { opened, loaded } = await checkMemory(t, page, 20, kManyClips, 120);
   assert.equal(opened, kManyClips);
   assert.ok(loaded > 1.2 * kCache, 'more motion than the page keeps');
 });

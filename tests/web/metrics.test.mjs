@@ -1,7 +1,7 @@
 // Calls of the page are in the metrics of the server.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { disableWebGL, newPage, settled } from './support/browser.mjs';
+import { disableWebGL, newPage, settled, until } from './support/browser.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 
@@ -27,19 +27,6 @@ async function callsSince(before) {
     if (added > 0) calls[`${method} ${code}`] = added;
   }
   return calls;
-}
-
-// Waits until `check` does not throw: the server counts a call when it has sent its answer.
-async function until(check, seconds = 5) {
-  const end = performance.now() + 1000 * seconds;
-  for (;;) {
-    try {
-      return await check();
-    } catch (error) {
-      if (performance.now() > end) throw error;
-    }
-    await new Promise((resolve) => setTimeout(resolve, 50));
-  }
 }
 
 test('the metrics count the calls of the page, their codes and its streams', async (t) => {

@@ -121,6 +121,19 @@ export async function checkAccessibility(page) {
   assert.deepEqual(violations, []);
 }
 
+// Waits until `check` does not throw; returns its result.
+export async function until(check, seconds = 5) {
+  const end = performance.now() + 1000 * seconds;
+  for (;;) {
+    try {
+      return await check();
+    } catch (error) {
+      if (performance.now() > end) throw error;
+    }
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
 // Drops a file on a part of the page.
 export async function drop(target, name, buffer) {
   const transfer = await target.page().evaluateHandle(

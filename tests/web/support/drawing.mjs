@@ -1,4 +1,5 @@
 // What a page draws with WebGL, as numbers: places and colours of spheres and bones, lines and dots.
+import { until } from './browser.mjs';
 
 // Records the drawings of the pages that `page` opens later.
 export function recordDrawing(page) {
@@ -80,14 +81,5 @@ export function distance(a, b) {
 // Waits until `check`, called with the last picture of a canvas, does not throw; throws its last
 // error after `seconds`.
 export async function whenDrawn(page, selector, check, seconds = 20) {
-  const end = performance.now() + 1000 * seconds;
-  for (;;) {
-    const drawn = await drawnOn(page, selector);
-    try {
-      return await check(drawn);
-    } catch (error) {
-      if (performance.now() > end) throw error;
-    }
-    await page.waitForTimeout(50);
-  }
+  return until(async () => check(await drawnOn(page, selector)), seconds);
 }

@@ -10,9 +10,14 @@ export class NewestCall {
     });
   }
 
+  // Ends the attempt without a new one.
+  stop(): void {
+    this.attempt.abort();
+  }
+
   // The signal of a new attempt.
   begin(): AbortSignal {
-    this.attempt.abort();
+    this.stop();
     this.attempt = new AbortController();
     if (this.signal.aborted) this.attempt.abort();
     return this.attempt.signal;

@@ -14,6 +14,19 @@ import { SegmentPanel } from './segment_panel';
 
 const clip = 'databases/demo/clips/a';
 
+// A panel whose server has these calls.
+function panelOf(segments: object): SegmentPanel {
+  return new SegmentPanel({
+    api: { segments } as unknown as Api,
+    connection: new Connection(() => Promise.resolve()),
+    clip,
+    clock: new PlaybackClock(1, 60),
+    editable: true,
+    signal: new AbortController().signal,
+    operation: () => undefined,
+  });
+}
+
 // A panel, and the calls that read its segments; each ends when it is answered.
 async function openPanel() {
   const answers: (() => void)[] = [];
@@ -23,15 +36,7 @@ async function openPanel() {
         resolve({ segments: [], nextPageToken: '' });
       });
     });
-  const panel = new SegmentPanel({
-    api: { segments: { listSegments } } as unknown as Api,
-    connection: new Connection(() => Promise.resolve()),
-    clip,
-    clock: new PlaybackClock(1, 60),
-    editable: true,
-    signal: new AbortController().signal,
-    operation: () => undefined,
-  });
+  const panel = panelOf({ listSegments });
   const turn = () => new Promise((resolve) => setTimeout(resolve, 0));
   await turn();
   const answer = async (call: number) => {
@@ -89,19 +94,9 @@ test('a second edit before the answer of the first is no conflict', async () => 
     ++etag;
     return { segment: stored() };
   });
-  const panel = new SegmentPanel({
-    api: {
-      segments: {
-        listSegments: () => Promise.resolve({ segments: [stored()], nextPageToken: '' }),
-        updateSegment,
-      },
-    } as unknown as Api,
-    connection: new Connection(() => Promise.resolve()),
-    clip,
-    clock: new PlaybackClock(1, 60),
-    editable: true,
-    signal: new AbortController().signal,
-    operation: () => undefined,
+  const panel = panelOf({
+    listSegments: () => Promise.resolve({ segments: [stored()], nextPageToken: '' }),
+    updateSegment,
   });
   await new Promise((resolve) => setTimeout(resolve, 0));
   panel.node.querySelector<HTMLElement>('.segment-body')?.click();

@@ -42,10 +42,7 @@ export class SegmentPanel {
       select: (segment) => {
         this.select(segment?.name ?? '');
       },
-      move: (segment, { start, end }) => {
-        const change: Partial<TimeRange> = {};
-        if (start !== segment.start) change.start = start;
-        if (end !== segment.end) change.end = end;
+      move: (segment, change) => {
         this.run(() => this.store.update(segment, change));
       },
     });

@@ -9,7 +9,7 @@ export interface TimelineEvents {
   seek(seconds: number): void;
   select(segment: StoredSegment | undefined): void;
   // The user has moved an edge.
-  move(segment: StoredSegment, range: TimeRange): void;
+  move(segment: StoredSegment, change: Partial<TimeRange>): void;
 }
 
 const kMaxTicks = 10;
@@ -143,10 +143,14 @@ export class Timeline {
     const moved = (seconds: number) =>
       moveEdge(segment, edge, seconds, this.segments, this.duration, this.frameRateHz);
     let range: TimeRange = { start: segment.start, end: segment.end };
+    let sent = range[edge];
     const commit = () => {
       if (this.held !== handle) return;
       this.held = undefined;
-      if (range[edge] !== segment[edge]) this.events.move(segment, range);
+      if (range[edge] !== sent) {
+        sent = range[edge];
+        this.events.move(segment, { [edge]: sent });
+      }
       if (this.waiting) this.draw();
     };
     handle.addEventListener('keydown', (event) => {
@@ -198,7 +202,7 @@ export class Timeline {
       handle.removeEventListener('pointerup', end);
       handle.removeEventListener('pointercancel', end);
       if (event.type === 'pointerup' && range[edge] !== segment[edge])
-        this.events.move(segment, range);
+        this.events.move(segment, { [edge]: range[edge] });
       else this.draw();
     };
     handle.addEventListener('pointermove', move);

@@ -1,4 +1,5 @@
 import type { Api } from '../../api/api';
+import { NewestCall } from '../../api/newest_call';
 import { clipName, modelName } from '../../api/resource_names';
 import { StateMapReader, type StateMap } from './state_map';
 
@@ -19,7 +20,7 @@ export async function loadMap(
   known?: StateMap,
 ): Promise<StateMap> {
   const reader = new StateMapReader();
-  const rest = new AbortController();
+  const call = new NewestCall(signal);
   const { database, layer, clip, maxPoints } = request;
   const stream = api.views.readStateMap(
     {
@@ -28,7 +29,7 @@ export async function loadMap(
       clip: clip === '' ? '' : clipName(database, clip),
       maxPoints,
     },
-    { signal: AbortSignal.any([signal, rest.signal]) },
+    { signal: call.begin() },
   );
   for await (const message of stream) {
     reader.add(message);
@@ -36,7 +37,7 @@ export async function loadMap(
     // A model that is not stored has no number that tells it apart.
     if (known && part.case === 'header' && part.value.modelVersion !== 0) {
       if (part.value.modelVersion !== known.header.modelVersion) continue;
-      rest.abort();
+      call.stop();
       return known;
     }
   }

@@ -1,4 +1,4 @@
-import { Matrix4, Vector3 } from 'three';
+import { Matrix4, Vector3, MeshLambertMaterial } from 'three';
 import { describe, expect, it } from 'vitest';
 import { createDots, createEllipsoids, setEllipsoid, spreadOrder } from './map_meshes';
 import type { MapNodes } from './state_map';
@@ -33,7 +33,7 @@ describe('setEllipsoid', () => {
   it('maps the unit sphere to the scaled semi-axes', () => {
     const semiAxes = Float32Array.of(0, 3, 0, 2, 0, 0, 0, 0, 1);
     const nodes = { means: Float32Array.of(5, 6, 7), semiAxes } as unknown as MapNodes;
-    const mesh = createEllipsoids(1);
+    const mesh = createEllipsoids(1, new MeshLambertMaterial());
     setEllipsoid(mesh, 0, nodes, 0, 0.5, 0.01);
     const matrix = new Matrix4();
     mesh.getMatrixAt(0, matrix);

@@ -7,7 +7,7 @@ import {
   InstancedMesh,
   Matrix4,
   MeshBasicMaterial,
-  MeshLambertMaterial,
+  type MeshLambertMaterial,
   Points,
   PointsMaterial,
   Quaternion,
@@ -50,9 +50,8 @@ export function createDots(
   return dots;
 }
 
-// Room for `budget` ellipsoids in one draw call.
-export function createEllipsoids(budget: number): Ellipsoids {
-  const material = new MeshLambertMaterial({ transparent: true, opacity: 0.45, depthWrite: false });
+// Room for `budget` ellipsoids in one draw call. The material can be shared.
+export function createEllipsoids(budget: number, material: MeshLambertMaterial): Ellipsoids {
   const mesh = new InstancedMesh(new IcosahedronGeometry(1, 1), material, Math.max(1, budget));
   mesh.frustumCulled = false;
   mesh.count = 0;

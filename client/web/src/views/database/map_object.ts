@@ -4,6 +4,7 @@ import {
   Group,
   InstancedMesh,
   Matrix4,
+  MeshLambertMaterial,
   type Object3D,
   type Points,
 } from 'three';
@@ -14,6 +15,7 @@ import {
   createEdges,
   createEllipsoids,
   setEllipsoid,
+  type Edges,
   type Ellipsoids,
 } from './map_meshes';
 import type { MapAppearance, MapPicture } from './map_picture';
@@ -39,9 +41,6 @@ export class MapObject implements MapPicture {
   private readonly group = new Group();
   private readonly viewMatrix = new Matrix4();
   private readonly drawnMatrix = new Matrix4();
-  // Objects of the map before. They keep the programs of their materials until the new objects are
-  // drawn, because compiling them again takes up to seconds.
-  private readonly replaced: Object3D[] = [];
   private map: StateMap | undefined;
   private appearance: MapAppearance | undefined;
   private ellipsoids: Ellipsoids | undefined;
@@ -55,8 +54,7 @@ export class MapObject implements MapPicture {
   }
 
   draw(map: StateMap, appearance: MapAppearance): void {
-    this.replaced.push(...this.group.children);
-    this.group.clear();
+    this.clear();
     this.map = map;
     this.appearance = appearance;
     const { centre, radius } = extentOf(map);
@@ -75,11 +73,11 @@ export class MapObject implements MapPicture {
     this.dots = dots;
     dots.onAfterRender = () => {
       this.watchCamera();
-      queueMicrotask(() => {
-        disposeAll(this.replaced);
-      });
     };
-    this.ellipsoids = createEllipsoids(Math.min(nodes.ids.length, kEllipsoidBudget));
+    this.ellipsoids = createEllipsoids(
+      Math.min(nodes.ids.length, kEllipsoidBudget),
+      this.scene.surface(0.45),
+    );
     this.group.add(
       dots,
       createDots(points.positions, appearance.pointColors, appearance.pointsShown, 1.5),
@@ -121,8 +119,7 @@ export class MapObject implements MapPicture {
 
   dispose(): void {
     clearTimeout(this.timer);
-    disposeAll(this.replaced);
-    disposeAll([...this.group.children]);
+    this.clear();
     this.scene.root.remove(this.group);
   }
 
@@ -153,9 +150,7 @@ export class MapObject implements MapPicture {
   private createEmphasis(map: StateMap, appearance: MapAppearance, radius: number): Object3D[] {
     const { emphasis, path } = appearance;
     if (emphasis.size === 0) return [];
-    const mesh = createEllipsoids(emphasis.size);
-    mesh.material.opacity = 1;
-    mesh.material.depthWrite = true;
+    const mesh = createEllipsoids(emphasis.size, this.scene.surface(1));
     mesh.count = emphasis.size;
     [...emphasis].forEach(([node, color], place) => {
       setEllipsoid(mesh, place, map.nodes, node, 0, 0.022 * radius);
@@ -200,14 +195,17 @@ export class MapObject implements MapPicture {
     if (ellipsoids.instanceColor) ellipsoids.instanceColor.needsUpdate = true;
     this.scene.invalidate();
   }
-}
 
-// Disposes objects and empties the list.
-function disposeAll(objects: Object3D[]): void {
-  for (const each of objects.splice(0)) {
-    const drawn = each as Ellipsoids | GridHelper;
-    drawn.geometry.dispose();
-    drawn.material.dispose();
-    if (drawn instanceof InstancedMesh) drawn.dispose();
+  private clear(): void {
+    for (const child of this.group.children) {
+      const drawn = child as Ellipsoids | Edges | GridHelper;
+      drawn.geometry.dispose();
+      if (drawn instanceof InstancedMesh) drawn.dispose();
+      // Lit surfaces share materials of the scene.
+      if (!(drawn.material instanceof MeshLambertMaterial)) drawn.material.dispose();
+    }
+    this.group.clear();
+    this.ellipsoids = undefined;
+    this.dots = undefined;
   }
 }

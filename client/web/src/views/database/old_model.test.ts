@@ -9,20 +9,14 @@ import { floatBytes } from '../../drawing/float_bytes';
 import type { ViewContext } from '../../shell/view';
 import { open } from './database_view';
 import { NodePoses } from './node_poses';
+import { stateMapOf, stubDrawing } from './test_map';
 
 // No WebGL.
 vi.mock('../../scene/scene', () => ({ createScene: () => undefined }));
 
 beforeEach(() => {
   vi.useFakeTimers();
-  vi.spyOn(HTMLCanvasElement.prototype, 'getContext').mockReturnValue(null);
-  vi.stubGlobal(
-    'ResizeObserver',
-    class {
-      observe = vi.fn();
-      disconnect = vi.fn();
-    },
-  );
+  stubDrawing();
 });
 afterEach(() => {
   vi.useRealTimers();
@@ -48,24 +42,8 @@ function databaseOf() {
       poses: nodeIds.map((nodeId) => ({ nodeId, markerPositions, markerVelocities })),
     });
   });
-  const nodes = {
-    // Node 5 is at no end of an axis, so its pose is not there before it is chosen.
-    nodeIds: [4, 5, 6],
-    parentIds: [1, 1, 1],
-    frameCounts: [20, 10, 5],
-    labelFractions: [1, 1, 1],
-    mainClips: [0, 0, 0],
-    means: floatBytes(Float32Array.of(0, 0, 0, 1, 1, 1, 2, 2, 2)),
-    semiAxes: floatBytes(new Float32Array(27)),
-  };
-  async function* readStateMap() {
-    const counts = { nodeCount: 3, transitionCount: 0, pointCount: 0 };
-    const lists = { labels: ['walk'], clips: ['databases/demo/clips/a'], varianceFractions: [1] };
-    const header = { modelVersion: model.current, layer: 2, nodesPerLayer: [1, 3] };
-    yield { part: { case: 'header', value: { ...header, ...lists, ...counts } } };
-    await Promise.resolve();
-    yield { part: { case: 'nodes', value: nodes } };
-  }
+  // Node 5 is at no end of an axis, so its pose is not there before it is chosen.
+  const readStateMap = () => stateMapOf(model.current, [4, 5, 6]);
   const getFigure = () => Promise.resolve({ figure: { markerBones: [] } });
   const getDatabase = () => Promise.resolve({ database: {} });
   const api = { views: { getNodePoses, readStateMap, getFigure }, databases: { getDatabase } };

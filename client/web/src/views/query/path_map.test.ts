@@ -1,24 +1,15 @@
 // The path of nodes is drawn only on the map of the model that answered.
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../../api/api';
-import { floatBytes } from '../../drawing/float_bytes';
 import type { ThemeSwitch } from '../../shell/theme';
+import { stateMapOf, stubDrawing } from '../database/test_map';
 import { PathMap } from './path_map';
 import type { MomentAnswer } from './prediction';
 
 // No WebGL.
 vi.mock('../../scene/scene', () => ({ createScene: () => undefined }));
 
-beforeEach(() => {
-  vi.spyOn(HTMLCanvasElement.prototype, 'getContext').mockReturnValue(null);
-  vi.stubGlobal(
-    'ResizeObserver',
-    class {
-      observe = vi.fn();
-      disconnect = vi.fn();
-    },
-  );
-});
+beforeEach(stubDrawing);
 afterEach(() => {
   vi.restoreAllMocks();
 });
@@ -27,24 +18,7 @@ afterEach(() => {
 // nodes were sent.
 function openMap() {
   const model = { version: 1, nodeReads: 0 };
-  async function* readStateMap() {
-    const counts = { nodeCount: 2, transitionCount: 0, pointCount: 0 };
-    const lists = { labels: ['walk'], clips: ['databases/demo/clips/a'], varianceFractions: [1] };
-    const header = { modelVersion: model.version, layer: 2, nodesPerLayer: [1, 2] };
-    yield { part: { case: 'header', value: { ...header, ...lists, ...counts } } };
-    await Promise.resolve();
-    ++model.nodeReads;
-    const nodes = {
-      nodeIds: [4, 5],
-      parentIds: [1, 1],
-      frameCounts: [20, 10],
-      labelFractions: [1, 1],
-      mainClips: [0, 0],
-      means: floatBytes(Float32Array.of(0, 0, 0, 1, 1, 1)),
-      semiAxes: floatBytes(new Float32Array(18)),
-    };
-    yield { part: { case: 'nodes', value: nodes } };
-  }
+  const readStateMap = () => stateMapOf(model.version, [4, 5], () => ++model.nodeReads);
   const api = { views: { readStateMap } } as unknown as Api;
   const theme = { name: 'light', onChange: () => () => undefined, color: () => '#000' };
   const map = new PathMap(api, theme as unknown as ThemeSwitch, 'demo');

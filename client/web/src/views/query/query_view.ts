@@ -2,6 +2,7 @@ import '../../style/clip.css';
 import '../database/database.css';
 import './query.css';
 import type { RecognitionWindow } from '../../api/messages';
+import { NewestCall } from '../../api/newest_call';
 import { databaseName, lastPart } from '../../api/resource_names';
 import { Disposer } from '../../dom/disposer';
 import { element } from '../../dom/element';
@@ -46,7 +47,7 @@ class QueryPage implements View {
   private observed: ObservedMotion | undefined;
   private windows: readonly RecognitionWindow[] = [];
   private asking = new AbortController();
-  private predicting = new AbortController();
+  private readonly predicting = new NewestCall(this.disposer.signal);
 
   constructor(
     host: HTMLElement,
@@ -101,7 +102,6 @@ class QueryPage implements View {
   close(): void {
     this.disposer.dispose();
     this.asking.abort();
-    this.predicting.abort();
     this.clock.pause();
     this.player.dispose();
     this.ghosts.clear();
@@ -204,9 +204,7 @@ class QueryPage implements View {
   private async askMoment(at: number): Promise<void> {
     const { observed } = this;
     if (!observed) return;
-    this.predicting.abort();
-    this.predicting = new AbortController();
-    const { signal } = this.predicting;
+    const signal = this.predicting.begin();
     this.clock.pause();
     this.clock.seek(at);
     this.change({ at });
@@ -233,7 +231,7 @@ class QueryPage implements View {
   }
 
   private clearMoment(forget = true): void {
-    this.predicting.abort();
+    this.predicting.stop();
     if (forget) this.change({ at: undefined });
     this.moment.clear();
     this.ghosts.clear();

@@ -258,7 +258,7 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
     live->ForgetUnreadable(clip);
     live->SetDeriveError(clip, "");
     skeletons_.Clear();
-    live->AddStored(-AmountOf(record));
+    live->CountChange(-AmountOf(record), store_->annotations());
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
     live->lifecycle().PurgeUnlessBuilding(terms.cancelled);
     MOTIONDB_ASSIGN_OR_RETURN(operation, live->lifecycle().Request(terms.cancelled));

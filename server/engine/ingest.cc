@@ -55,16 +55,13 @@ absl::StatusOr<storage::ClipRecord> StoreWithinQuota(
     const DatabaseQuota& quota, storage::MotionStore& store, LiveDatabase& database,
     const std::optional<storage::ClipRecord>& before, const storage::NewClip& clip,
     bool validate_only) {
-  StoredAmount expected = AmountOf(clip.record);
-  if (before) expected = expected + -AmountOf(*before);
+  const StoredAmount former = before ? AmountOf(*before) : StoredAmount();
+  const StoredAmount expected = AmountOf(clip.record) + -former;
   MOTIONDB_RETURN_IF_ERROR(database.Reserve(expected, quota));
-  absl::Cleanup undo = [&] { database.AddStored(-expected); };
+  const absl::Cleanup end = [&] { database.EndReservation(expected); };
   if (validate_only) return clip.record;
   auto stored = before ? store.ReplaceClip(*before, clip) : store.AddClip(clip);
-  if (stored.ok()) {
-    std::move(undo).Cancel();
-    database.AddStored({0, 0, stored->byte_count - clip.record.byte_count});
-  }
+  if (stored.ok()) database.CountChange(AmountOf(*stored) + -former, store.annotations());
   return stored;
 }
 

@@ -60,32 +60,39 @@ StoredAmount LiveDatabase::stored() const {
   return stored_;
 }
 
-void LiveDatabase::AddStored(const StoredAmount& amount) {
+void LiveDatabase::CountChange(const StoredAmount& change, storage::AnnotationStore& store) {
+  const bool is_shared = id_ != 0;
+  if (is_shared && Recount(store).ok()) return;
   const storage::MutexLock lock(mutex_);
-  Add(amount);
+  stored_ = stored_ + change;
 }
 
-void LiveDatabase::set_stored(const StoredAmount& amount) {
+absl::Status LiveDatabase::Recount(storage::AnnotationStore& store) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, Catalog(store));
   const storage::MutexLock lock(mutex_);
-  stored_ = amount;
+  // Calls may end in another order than their catalogs.
+  if (catalog->revision() < counted_revision_) return absl::OkStatus();
+  counted_revision_ = catalog->revision();
+  stored_ = catalog->stored();
+  return absl::OkStatus();
 }
 
 absl::Status LiveDatabase::Reserve(const StoredAmount& amount, const DatabaseQuota& quota) {
   const storage::MutexLock lock(mutex_);
-  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "clips", stored_.clip_count, amount.clip_count,
+  const StoredAmount used = stored_ + reserved_;
+  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "clips", used.clip_count, amount.clip_count,
                                       quota.clip_count, "max-database-clips"));
-  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "frames", stored_.frame_count, amount.frame_count,
+  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "frames", used.frame_count, amount.frame_count,
                                       quota.frame_count, "max-database-frames"));
-  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "bytes", stored_.byte_count, amount.byte_count,
+  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "bytes", used.byte_count, amount.byte_count,
                                       quota.byte_count, "max-database-mib"));
-  Add(amount);
+  reserved_ = reserved_ + amount;
   return absl::OkStatus();
 }
 
-void LiveDatabase::Add(const StoredAmount& amount) {
-  stored_.clip_count += amount.clip_count;
-  stored_.frame_count += amount.frame_count;
-  stored_.byte_count += amount.byte_count;
+void LiveDatabase::EndReservation(const StoredAmount& amount) {
+  const storage::MutexLock lock(mutex_);
+  reserved_ = reserved_ + -amount;
 }
 
 void LiveDatabase::AddUnreadable(const std::string& clip, const std::string& what) {

@@ -26,24 +26,6 @@ namespace motiondb::server {
 
 class ModelLifecycle;
 
-// Amount of stored data, whether or not in the model; or a change of it.
-struct StoredAmount {
-  std::int32_t clip_count = 0;
-  std::int64_t frame_count = 0;
-  std::int64_t byte_count = 0;
-
-  StoredAmount operator-() const { return {-clip_count, -frame_count, -byte_count}; }
-  StoredAmount operator+(const StoredAmount& other) const {
-    return {clip_count + other.clip_count, frame_count + other.frame_count,
-            byte_count + other.byte_count};
-  }
-};
-
-// The amount of one clip.
-inline StoredAmount AmountOf(const storage::ClipRecord& clip) {
-  return {1, clip.frame_count, clip.byte_count};
-}
-
 // How a change behaves while the database is being deleted, which may still fail: it returns
 // UNAVAILABLE, or waits for the outcome.
 enum class DeletionPolicy { kRefuse, kAwait };
@@ -75,12 +57,18 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   // Time of the last replacement; 0: none since the start.
   std::int64_t scheme_time_us() const;
 
+  // What is stored, whether or not in the model. Has all changes that this server acknowledged.
   StoredAmount stored() const;
-  void AddStored(const StoredAmount& amount);
-  void set_stored(const StoredAmount& amount);
-  // Adds `amount` if the quota allows it. Otherwise RESOURCE_EXHAUSTED, with the stored amount and
-  // the name of the setting.
+  // Counts a change after it is stored. Other servers change a shared store too: there it calls
+  // Recount, and adds the change only if that fails.
+  void CountChange(const StoredAmount& change, storage::AnnotationStore& store);
+  // Counts the clips of the newest catalog. Errors of Catalog.
+  absl::Status Recount(storage::AnnotationStore& store);
+  // Reserves `amount` for a change that is about to be stored, if the quota allows it. Otherwise
+  // RESOURCE_EXHAUSTED, with the stored amount and the name of the setting.
   absl::Status Reserve(const StoredAmount& amount, const DatabaseQuota& quota);
+  // Called after CountChange, or if nothing was stored.
+  void EndReservation(const StoredAmount& amount);
 
   // Revision that the last look at a shared store has found; 0: the store is not shared.
   std::int64_t seen_revision() const { return seen_revision_; }
@@ -141,7 +129,6 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   storage::CancellableMutex& scheme_mutex() { return scheme_mutex_; }
 
  private:
-  void Add(const StoredAmount& amount) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // OK if the database is neither deleted nor being deleted.
   absl::Status CheckAlive(DeletionPolicy retiring) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -158,6 +145,8 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
       nullptr;
   std::int64_t scheme_time_us_ ABSL_GUARDED_BY(mutex_) = 0;
   StoredAmount stored_ ABSL_GUARDED_BY(mutex_);
+  StoredAmount reserved_ ABSL_GUARDED_BY(mutex_);  // by changes that may not be stored yet
+  std::int64_t counted_revision_ ABSL_GUARDED_BY(mutex_) = 0;  // of the catalog in Recount
   std::map<std::string, std::string> unreadable_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> underived_ ABSL_GUARDED_BY(mutex_);
   std::atomic<std::int64_t> seen_revision_{0};

@@ -284,9 +284,6 @@ class ModelLifecycle {
 
   // Requests a build that a server has not requested because it stopped (MissedBuild).
   void RequestMissedBuild();
-  // Sets the amount of the database that is stored now, by all servers. UNAVAILABLE, with nothing
-  // changed, if the store cannot be read; other errors leave the amount, too, but are not returned.
-  absl::Status CountStored();
   // Ends a build that needs to run again or that another server has taken over. Returns whether it
   // was one.
   bool EndUnfinished(Build& build, const absl::Status& built);

@@ -69,7 +69,7 @@ absl::StatusOr<ServedModel> ModelLifecycle::Followed(ServedModel served, bool is
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, database_.Catalog(services_.store.annotations()));
   stored_version_ = 0;
-  return ServedModel{nullptr, catalog->clip_count() == 0 ? catalog->revision() : 0};
+  return ServedModel{nullptr, catalog->stored().clip_count == 0 ? catalog->revision() : 0};
 }
 
 absl::StatusOr<ServedModel> ModelLifecycle::ReadNewer(const ServedModel& served,
@@ -113,20 +113,6 @@ absl::StatusOr<bool> ModelLifecycle::IsCurrent(const Snapshot& snapshot) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto newest, services_.store.ListModels(database_.name(), 0, 1));
   return !newest.empty() && newest.front().current &&
          newest.front().version == snapshot.record.version;
-}
-
-absl::Status ModelLifecycle::CountStored() {
-  const auto catalog = database_.Catalog(services_.store.annotations());
-  // The former amount could tell that a database without a model is empty.
-  if (absl::IsUnavailable(catalog.status())) return catalog.status();
-  if (!catalog.ok()) return absl::OkStatus();
-  StoredAmount amount;
-  (*catalog)->ForEach([&](const CatalogClip& clip) {
-    amount = amount + StoredAmount{1, clip.frame_count, clip.byte_count};
-    return true;
-  });
-  database_.set_stored(amount);
-  return absl::OkStatus();
 }
 
 void ModelLifecycle::RequestMissedBuild() {

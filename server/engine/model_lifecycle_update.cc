@@ -64,7 +64,11 @@ absl::Status ModelLifecycle::UpdateCurrent(bool may_extend, bool is_used) {
   const bool loads = unloaded != nullptr && (is_used || may_extend);
   if (loads) MakeRoom(BytesOfModel(*unloaded));
   absl::Status status = WithoutExceptions<absl::Status>([&] {
-    if (is_shared()) MOTIONDB_RETURN_IF_ERROR(CountStored());
+    if (is_shared()) {
+      const absl::Status counted = database_.Recount(services_.store.annotations());
+      // The former amount could tell that a database without a model is empty.
+      if (absl::IsUnavailable(counted)) return counted;
+    }
     const SnapshotPointer current = snapshot();
     may_extend &= current != nullptr && IsExtensible(*current);
     // Without the lease, the server that has it or the next build adds the clips.

@@ -173,25 +173,25 @@ class Reprocessor {
     return database_.WithSharedUse(DeletionPolicy::kAwait, [&]() -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(const auto stored,
                                 store_.PutDerived(database_.name(), clips, fence_));
+      StoredAmount change;
       for (const ClipRecord& clip : stored) {
         const auto former = std::ranges::find(listed, clip.id, &ClipRecord::id);
         const auto derived = std::ranges::find(
             clips, clip.id,
             [](const DerivedClip& single) -> const auto& { return single.record.id; });
-        Note(*former, clip, derived->states.has_value());
+        const bool is_changed = derived->states.has_value();
+        if (is_changed) change = change + AmountOf(clip) + -AmountOf(*former);
+        Note(clip, is_changed);
       }
+      database_.CountChange(change, store_.annotations());
       return absl::OkStatus();
     });
   }
 
-  void Note(const ClipRecord& former, const ClipRecord& clip, bool is_changed) {
+  void Note(const ClipRecord& clip, bool is_changed) {
     ++done_.clips;
     done_.changed += is_changed;
-    if (is_changed) {
-      database_.AddStored(-AmountOf(former));
-      database_.AddStored(AmountOf(clip));
-      database_.ForgetUnreadable(clip.id);
-    }
+    if (is_changed) database_.ForgetUnreadable(clip.id);
     database_.SetDeriveError(clip.id, clip.derive_error);
     if (clip.derive_error.empty()) return;
     ++done_.failed;

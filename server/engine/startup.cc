@@ -87,10 +87,12 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
   // Queries need only the model, even if the list of clips is corrupt.
   live.lifecycle().LoadStored();
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
+  StoredAmount stored;
   for (const auto& clip : clips) {
-    live.AddStored(AmountOf(clip));
+    stored = stored + AmountOf(clip);
     live.SetDeriveError(clip.id, clip.derive_error);
   }
+  live.CountChange(stored, store_->annotations());
   const ServedModel served = live.lifecycle().served();
   spdlog::info("database '{}' opened: clips={} model={}", record.name, clips.size(),
                served.record() == nullptr ? 0 : served.record()->version);

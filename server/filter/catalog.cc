@@ -100,13 +100,13 @@ Catalog Catalog::With(std::span<const storage::ChangeRecord> changes) const {
     }
   }
 
-  std::size_t added_count = 0;
-  std::size_t removed_count = 0;
+  next.stored_ = stored_;
   for (const auto& [id, clip] : changed) {
-    if (clip != nullptr && clip->is_stored) ++added_count;
-    if (Find(id) != nullptr) ++removed_count;
+    if (const CatalogClip* const before = Find(id); before != nullptr) {
+      next.stored_ = next.stored_ + -AmountOf(*before);
+    }
+    if (clip != nullptr && clip->is_stored) next.stored_ = next.stored_ + AmountOf(*clip);
   }
-  next.clip_count_ = clip_count_ + added_count - removed_count;
   next.PutEntries(*this, std::move(changed));
   return next;
 }

@@ -29,7 +29,8 @@ class Catalog {
 
   // Revision of the last change; 0 if there was none.
   std::int64_t revision() const { return revision_; }
-  std::size_t clip_count() const { return clip_count_; }
+  // The amount of its clips.
+  const StoredAmount& stored() const { return stored_; }
 
   // Returns the clip, or null. O(log(number of clips)).
   const CatalogClip* Find(std::string_view id) const;
@@ -55,7 +56,7 @@ class Catalog {
   void PutEntries(const Catalog& before, Entries changed);
 
   std::vector<std::shared_ptr<const Chunk>> chunks_;  // in order of id
-  std::size_t clip_count_ = 0;                        // that are stored
+  StoredAmount stored_;
   std::int64_t revision_ = 0;
 };
 

@@ -28,6 +28,19 @@ struct CatalogSegment {
   bool is_on_action_track() const { return track == storage::kActionTrack; }
 };
 
+// Amount of stored data, or a change of it.
+struct StoredAmount {
+  std::int32_t clip_count = 0;
+  std::int64_t frame_count = 0;
+  std::int64_t byte_count = 0;
+
+  StoredAmount operator-() const { return {-clip_count, -frame_count, -byte_count}; }
+  StoredAmount operator+(const StoredAmount& other) const {
+    return {clip_count + other.clip_count, frame_count + other.frame_count,
+            byte_count + other.byte_count};
+  }
+};
+
 // Fields as in storage::ClipRecord; those that most filters compare are first.
 struct CatalogClip {
   std::vector<CatalogSegment> segments;  // in order of track, start and id
@@ -53,6 +66,12 @@ CatalogSegment ToCatalogSegment(const storage::SegmentRecord& record);
 
 // Sets everything but the segments.
 void SetRecord(const storage::ClipRecord& record, CatalogClip& clip);
+
+// The amount of one clip, a CatalogClip or a storage::ClipRecord.
+template <typename Clip>
+StoredAmount AmountOf(const Clip& clip) {
+  return {1, clip.frame_count, clip.byte_count};
+}
 
 // End of a segment in its clip.
 inline double EndSeconds(const CatalogClip& clip, const CatalogSegment& segment) {

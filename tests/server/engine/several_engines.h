@@ -32,6 +32,7 @@ struct Access {
   std::atomic<bool> is_old{false};      // stored models are of a newer version
   storage::OnStoreChange on_change;     // what a notification calls
   std::function<void()> after_read;     // called when the first model was read
+  std::function<void()> around_add;     // called before and after each clip is stored
   std::shared_ptr<Gate> model_gate = std::make_shared<Gate>();   // closed: models are not stored
   std::shared_ptr<Gate> derive_gate = std::make_shared<Gate>();  // closed: nor derived clips
   std::atomic<int> look_count{0};
@@ -59,6 +60,12 @@ class WatchedStore final : public SharedStore {
     if (access_.is_stopped) return absl::UnavailableError("the store is cut off");
     ++access_.look_count;
     return GatedStore::ListDatabaseStates();
+  }
+  absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override {
+    if (access_.around_add) access_.around_add();
+    auto added = GatedStore::AddClip(clip);
+    if (access_.around_add) access_.around_add();
+    return added;
   }
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override {

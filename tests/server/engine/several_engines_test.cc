@@ -47,6 +47,27 @@ TEST_CASE("Engines on one store: each serves what the others change", "[server][
   CHECK(Require(a.engine->FindDatabase("d"))->lifecycle().snapshot() == nullptr);
 }
 
+TEST_CASE("Engines on one store: an acknowledged clip is counted once", "[server][servers]") {
+  const auto store = NewStore();
+  OneServer a(store);
+  Create(a, "d");
+  const auto live = Require(a.engine->FindDatabase("d"));
+  // As an update of the model does it at any time.
+  std::vector<int> seen;
+  a.around_add = [&] {
+    REQUIRE_OK(live->Recount(a.engine->store().annotations()));
+    seen.push_back(live->stored().clip_count);
+  };
+  for (int count = 1; count <= 3; ++count) {
+    Ingest(a, fmt::format("walk{}", count), 0.1 * count);
+    CHECK(live->stored().clip_count == count);
+    CHECK(seen == std::vector{count - 1, count});
+    seen.clear();
+  }
+  REQUIRE_OK(a.engine->DeleteClip("d", "walk2"));
+  CHECK(live->stored().clip_count == 2);
+}
+
 TEST_CASE("Engines on one store: a builder that stops is replaced and publishes nothing",
           "[server][servers]") {
   const auto store = NewStore();

@@ -56,7 +56,7 @@ lint=(
   clang-tidy       # checks changed sources
 )
 web_test=(
-  chromium         # the browser of tests/web
+  chromium-headless-shell  # the browser of tests/web: Chromium without windows, which cost time
 )
 deploy_test=(       # additional packages for tests/deploy
   debootstrap       # Debian systems for the package and the image

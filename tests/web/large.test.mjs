@@ -81,7 +81,7 @@ test('the map of a large database is shown, turned, zoomed and pointed at', asyn
       `next ${next.milliseconds.toFixed(0)} ms (${work[1]} s), ` +
       `${(next.bytes / 1e6).toFixed(1)} MB of JSON${busy}`,
   );
-  const page = await newPage(t, { viewport: { width: 800, height: 600 } });
+  const page = await newPage(t, { viewport: { width: 800, height: 600 }, deviceScaleFactor: 1 });
   await page.addInitScript(countDrawing);
   const session = await page.context().newCDPSession(page);
   await session.send('Performance.enable', { timeDomain: 'threadTicks' });

@@ -55,7 +55,7 @@ function chestAt(pelvis, along) {
 
 test('the corners of a box are where the pose of its link places them', async (t) => {
   await storeRobot();
-  const page = await newPage(t, { viewport: { width: 800, height: 600 } });
+  const page = await newPage(t, { viewport: { width: 800, height: 600 }, deviceScaleFactor: 1 });
   const pelvis = await pelvisAt(30);
   const eye = [2, -1.7, 1.9];
   const target = [0.25, -0.05, 1.2];

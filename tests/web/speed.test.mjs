@@ -12,11 +12,11 @@ import { markPictures, percentile, workOfPictures } from './support/main_thread.
 import { call, motiondb } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 
-const viewport = { width: 800, height: 600 };
+const screen = { viewport: { width: 800, height: 600 }, deviceScaleFactor: 1 };
 const kFirstViews = 5;
 
 test('the first view appears', async (t) => {
-  const page = await newPage(t, { viewport });
+  const page = await newPage(t, screen);
   const row = page.locator('main tbody tr').first();
   const times = [];
   for (let i = 0; i <= kFirstViews; ++i) {
@@ -50,7 +50,7 @@ test('a clip of 10,000 frames plays smoothly', async (t) => {
   await storeLongClip();
   const { body } = await call(setup.open, 'ClipService/GetClip', { name: 'databases/long/clips/long' });
   assert.ok(Math.abs(body.clip.frameCount - 10_000) < 10, `${body.clip.frameCount} frames`);
-  const page = await newPage(t, { viewport });
+  const page = await newPage(t, screen);
   await markPictures(page);
   await page.goto(`${setup.open}/#/clip/long/long?statistics=1`);
   await page.locator('.chart canvas').waitFor();
@@ -81,7 +81,7 @@ test('a clip of 10,000 frames plays smoothly', async (t) => {
 
 test('a map of 100,000 nodes is interactive', async (t) => {
   // The server has no such node, so the mean pose of the one under the pointer is an error.
-  const page = await newPage(t, { viewport, expected: [/GetNodePoses/] });
+  const page = await newPage(t, { ...screen, expected: [/GetNodePoses/] });
   const body = largeMap(100_000);
   await page.route('**/motiondb.v1.ViewService/ReadStateMap', (route) =>
     route.fulfill({ status: 200, contentType: 'application/connect+proto', body }),

@@ -40,7 +40,7 @@ def skip(reason):
 
 
 def find_chromium():
-    for name in ("chromium", "chromium-browser", "google-chrome"):
+    for name in ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"):
         if path := shutil.which(name):
             return path
     return skip("Chromium is missing (deploy/install_packages.sh web-test)")

@@ -9,6 +9,9 @@ const axe = requirePackage('axe-core');
 
 const kPatience = 90_000; // ms, for each step of a test
 
+// Pixels of the picture per CSS pixel: the processor draws them. Tests that read pixels set 1.
+const kScale = 0.5;
+
 let browser;
 
 async function launch() {
@@ -21,7 +24,6 @@ async function launch() {
       '--enable-unsafe-swiftshader',
       // Otherwise a busy machine gets one picture a second, for which every click waits.
       '--disable-gpu-vsync',
-      '--disable-frame-rate-limit',
       '--disable-dev-shm-usage',
     ],
   });
@@ -34,11 +36,11 @@ after(async () => {
 
 /**
  * Opens a page without a URL. `expected`: patterns of errors that the test provokes. `server`: URL
- * of another server that the page may call. `options`: of
- * browser.newContext, for example {colorScheme: 'dark', viewport: {width: 800, height: 600}}.
+ * of another server that the page may call. `options`: of browser.newContext, for example
+ * {colorScheme: 'dark', viewport: {width: 800, height: 600}}; the scale is kScale unless given.
  */
 export async function newPage(t, { expected = [], context, server, ...options } = {}) {
-  const owner = context ?? (await (await launch()).newContext(options));
+  const owner = context ?? (await (await launch()).newContext({ deviceScaleFactor: kScale, ...options }));
   const page = await owner.newPage();
   // A busy machine is no error: the whole run has a limit (web_page_test.py).
   page.setDefaultTimeout(kPatience);

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <new>
 #include <thread>
 
@@ -141,6 +140,9 @@ void FaultDisk::Arm(Fault fault, int at) {
   operations_ = 0;
   struck_ = false;
   dead_ = false;
+  // Without random salts, equal changes write equal logs.
+  sqlite3_test_control(SQLITE_TESTCTRL_PRNG_SEED, 1, nullptr);
+  sqlite3_randomness(0, nullptr);
 }
 
 bool FaultDisk::Strikes() {
@@ -158,7 +160,8 @@ void FaultDisk::OnOpen(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return;
   file.durable = true;
-  file.synced.assign(std::istreambuf_iterator<char>(stream), {});
+  file.synced.resize(std::filesystem::file_size(path));
+  stream.read(file.synced.data(), static_cast<std::streamsize>(file.synced.size()));
 }
 
 int FaultDisk::OnRead(const std::string& path, std::int64_t offset, int count) {

@@ -18,6 +18,8 @@ export default defineConfig({
   },
   test: {
     environment: 'jsdom',
+    // One document for all files: to make one for each takes most of the time.
+    isolate: false,
     include: ['src/**/*.test.ts'],
     passWithNoTests: true,
   },

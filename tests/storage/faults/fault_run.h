@@ -118,7 +118,7 @@ class FaultRun {
     return changed;
   }
 
-  // Checks the files that the store has left; equal ones once, because a check depends only on them.
+  // Checks the files that the store has left. Equal files are checked once.
   void CheckAfterwards(const std::string& what, bool may_be_before, bool may_be_after) {
     std::string remains;
     for (const char* const suffix : kSuffixes) {

@@ -108,5 +108,22 @@ test('a map of 100,000 nodes is interactive', async (t) => {
   const box = await canvas.boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.locator('.node-panel', { hasText: /Node \d+ of layer/ }).waitFor();
+  const clicks = await page.evaluate(async () => {
+    const target = document.querySelector('.map canvas');
+    const box = target.getBoundingClientRect();
+    const picture = () => new Promise((resolve) => requestAnimationFrame(resolve));
+    const places = new Set();
+    const start = performance.now();
+    for (let step = 0; step < 20; ++step) {
+      const clientX = box.left + box.width / 2 + 5 * step;
+      const at = { clientX, clientY: box.top + box.height / 2, bubbles: true };
+      target.dispatchEvent(new MouseEvent('click', at));
+      await picture();
+      places.add(document.querySelector('.node-panel .hint').textContent);
+    }
+    return { milliseconds: (performance.now() - start) / 20, chosen: places.size };
+  });
+  assert.ok(clicks.chosen > 5, `${clicks.chosen} nodes chosen`);
   checkBar(t, 'map of 100,000 nodes, a step of the camera', milliseconds, 'ms', { most: 200 });
+  checkBar(t, 'map of 100,000 nodes, a click on a node', clicks.milliseconds, 'ms', { most: 200 });
 });

@@ -174,18 +174,7 @@ class DatabasePage implements View {
   private draw(): void {
     const { map, settings } = this;
     if (!map) return;
-    const chosen = settings.node === undefined ? -1 : map.nodes.ids.indexOf(settings.node);
-    this.panel.show({
-      map,
-      axes: settings.axes,
-      colorBy: settings.colorBy,
-      hiddenLabels: settings.hiddenLabels,
-      leastProbability: settings.leastProbability,
-      size: settings.size,
-      emphasis: chosen >= 0 ? new Map([[chosen, kChosenColor]]) : new Map<number, string>(),
-      path: [],
-    });
-    if (chosen >= 0) this.nodePanel.show(map, chosen);
+    this.drawMap(map);
     this.controls.show(map);
     this.nodeList.show(map);
     this.drawLegend();
@@ -196,6 +185,17 @@ class DatabasePage implements View {
       showPoseError(this.notice, error, () => void this.load());
       this.context.connection.whenRestored(error, this.disposer.signal, () => void this.load());
     });
+  }
+
+  private drawMap(map: StateMap): void {
+    const { axes, colorBy, hiddenLabels, leastProbability, size, node } = this.settings;
+    const chosen = node === undefined ? -1 : map.nodes.ids.indexOf(node);
+    const nodes = new Map(chosen >= 0 ? [[chosen, kChosenColor]] : []);
+    this.panel.show(
+      { map, axes, colorBy, hiddenLabels, leastProbability, size },
+      { nodes, path: [] },
+    );
+    if (chosen >= 0) this.nodePanel.show(map, chosen);
   }
 
   private drawLegend(): void {
@@ -213,9 +213,12 @@ class DatabasePage implements View {
   }
 
   private choose(node: number): void {
-    if (!this.map) return;
-    this.change({ node: this.map.nodes.ids[node]! });
-    this.context.announce(describeNode(this.map, node));
+    const { map } = this;
+    if (!map) return;
+    this.settings = { ...this.settings, node: map.nodes.ids[node]! };
+    this.context.setQuery(queryOf(this.settings));
+    this.drawMap(map);
+    this.context.announce(describeNode(map, node));
   }
 
   private async loadStatistics(): Promise<void> {

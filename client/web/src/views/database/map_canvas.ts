@@ -2,13 +2,14 @@ import { arrowOf } from '../../dom/arrow_keys';
 import { element } from '../../dom/element';
 import { FlatCamera, type PicturePlace } from './flat_camera';
 import { strongestTransitions } from './level_of_detail';
-import type { MapAppearance, MapPicture } from './map_picture';
+import type { MapAppearance, MapEmphasis, MapPicture } from './map_picture';
 import { parallelMatrix, pick, projectPoints } from './projection';
 import { extentOf, type StateMap } from './state_map';
 
 const kFlatEdges = 2000;
 const kReach = 14;
 const kKeyStep = 30; // px
+const kNoEmphasis: MapEmphasis = { nodes: new Map(), path: [] };
 
 // A map without WebGL: a parallel projection of points, nodes and edges. Drag, fingers and arrow keys
 // move it; the wheel, two fingers, and the keys + and - zoom.
@@ -16,6 +17,7 @@ export class MapCanvas implements MapPicture {
   readonly surface: HTMLCanvasElement;
   private map: StateMap | undefined;
   private appearance: MapAppearance | undefined;
+  private emphasis: MapEmphasis = kNoEmphasis;
   private projected: Float32Array = new Float32Array(0);
   private readonly camera = new FlatCamera();
   private readonly observer: ResizeObserver;
@@ -43,6 +45,12 @@ export class MapCanvas implements MapPicture {
   draw(map: StateMap, appearance: MapAppearance): void {
     this.map = map;
     this.appearance = appearance;
+    this.emphasis = kNoEmphasis;
+    this.redraw();
+  }
+
+  emphasize(emphasis: MapEmphasis): void {
+    this.emphasis = emphasis;
     this.redraw();
   }
 
@@ -130,7 +138,7 @@ export class MapCanvas implements MapPicture {
     drawDots(context, points, appearance.pointsShown, appearance.pointColors, 1.5);
     this.drawEdges(context, map, appearance);
     drawDots(context, this.projected, appearance.nodesShown, appearance.nodeColors, 5);
-    this.drawEmphasis(context, appearance);
+    this.drawEmphasis(context, appearance.textColor);
   }
 
   private drawEdges(
@@ -151,10 +159,8 @@ export class MapCanvas implements MapPicture {
     }
   }
 
-  private drawEmphasis(
-    context: CanvasRenderingContext2D,
-    { emphasis, path, textColor }: MapAppearance,
-  ): void {
+  private drawEmphasis(context: CanvasRenderingContext2D, textColor: string): void {
+    const { nodes, path } = this.emphasis;
     context.strokeStyle = textColor;
     context.lineWidth = 2.5;
     context.beginPath();
@@ -162,7 +168,7 @@ export class MapCanvas implements MapPicture {
       context.lineTo(this.projected[3 * node]!, this.projected[3 * node + 1]!);
     context.stroke();
     context.lineWidth = 1.5;
-    for (const [node, color] of emphasis) {
+    for (const [node, color] of nodes) {
       context.fillStyle = color;
       context.beginPath();
       context.arc(this.projected[3 * node]!, this.projected[3 * node + 1]!, 7, 0, 2 * Math.PI);

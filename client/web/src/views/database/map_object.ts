@@ -18,7 +18,7 @@ import {
   type Edges,
   type Ellipsoids,
 } from './map_meshes';
-import type { MapAppearance, MapPicture } from './map_picture';
+import type { MapAppearance, MapEmphasis, MapPicture } from './map_picture';
 import { pick, projectPoints, viewOf, type Axes } from './projection';
 import { extentOf, type StateMap } from './state_map';
 
@@ -45,6 +45,7 @@ export class MapObject implements MapPicture {
   private appearance: MapAppearance | undefined;
   private ellipsoids: Ellipsoids | undefined;
   private dots: Points | undefined;
+  private emphasized: Object3D[] = [];
   private axes: Axes | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -83,10 +84,29 @@ export class MapObject implements MapPicture {
       createDots(points.positions, appearance.pointColors, appearance.pointsShown, 1.5),
       this.createTransitions(map, appearance, radius),
       this.ellipsoids,
-      ...this.createEmphasis(map, appearance, radius),
     );
     if (this.axes !== appearance.axes) this.lookAlong(appearance.axes);
     this.updateEllipsoids();
+  }
+
+  emphasize({ nodes, path }: MapEmphasis): void {
+    const { map, appearance } = this;
+    if (!map || !appearance) return;
+    this.remove(this.emphasized);
+    this.emphasized = [];
+    if (nodes.size > 0) {
+      const { radius } = extentOf(map);
+      const mesh = createEllipsoids(nodes.size, this.scene.surface(1));
+      mesh.count = nodes.size;
+      [...nodes].forEach(([node, color], place) => {
+        setEllipsoid(mesh, place, map.nodes, node, 0, 0.022 * radius);
+        mesh.setColorAt(place, new Color(color));
+      });
+      const steps = path.slice(1).map((node, i) => [path[i]!, node, 0.007 * radius] as const);
+      this.emphasized = [mesh, createEdges(map.nodes.means, steps, appearance.textColor, 1)];
+      this.group.add(...this.emphasized);
+    }
+    this.scene.invalidate();
   }
 
   // Looks at the whole map along its axes.
@@ -147,19 +167,6 @@ export class MapObject implements MapPicture {
     return createEdges(map.nodes.means, edges, appearance.edgeColor, 0.6);
   }
 
-  private createEmphasis(map: StateMap, appearance: MapAppearance, radius: number): Object3D[] {
-    const { emphasis, path } = appearance;
-    if (emphasis.size === 0) return [];
-    const mesh = createEllipsoids(emphasis.size, this.scene.surface(1));
-    mesh.count = emphasis.size;
-    [...emphasis].forEach(([node, color], place) => {
-      setEllipsoid(mesh, place, map.nodes, node, 0, 0.022 * radius);
-      mesh.setColorAt(place, new Color(color));
-    });
-    const steps = path.slice(1).map((node, i) => [path[i]!, node, 0.007 * radius] as const);
-    return [mesh, createEdges(map.nodes.means, steps, appearance.textColor, 1)];
-  }
-
   // While the camera moves, a large map has less detail. When it rests, other nodes are the nearest.
   private watchCamera(): void {
     if (this.matrix().equals(this.drawnMatrix)) return;
@@ -197,15 +204,20 @@ export class MapObject implements MapPicture {
   }
 
   private clear(): void {
-    for (const child of this.group.children) {
-      const drawn = child as Ellipsoids | Edges | GridHelper;
+    this.remove([...this.group.children]);
+    this.ellipsoids = undefined;
+    this.dots = undefined;
+    this.emphasized = [];
+  }
+
+  private remove(objects: readonly Object3D[]): void {
+    for (const object of objects) {
+      const drawn = object as Ellipsoids | Edges | GridHelper;
       drawn.geometry.dispose();
       if (drawn instanceof InstancedMesh) drawn.dispose();
       // Lit surfaces share materials of the scene.
       if (!(drawn.material instanceof MeshLambertMaterial)) drawn.material.dispose();
+      this.group.remove(object);
     }
-    this.group.clear();
-    this.ellipsoids = undefined;
-    this.dots = undefined;
   }
 }

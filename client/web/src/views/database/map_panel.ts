@@ -5,11 +5,11 @@ import type { ThemeSwitch } from '../../shell/theme';
 import { MapCanvas } from './map_canvas';
 import { mapColors } from './map_colors';
 import { MapObject } from './map_object';
-import type { MapPicture } from './map_picture';
+import type { MapEmphasis, MapPicture } from './map_picture';
 import type { Axes } from './projection';
 import type { StateMap } from './state_map';
 
-// What a map panel shows.
+// What a map panel shows below the emphasis.
 export interface MapContent {
   map: StateMap;
   axes: Axes;
@@ -17,8 +17,6 @@ export interface MapContent {
   hiddenLabels: readonly string[];
   leastProbability: number;
   size: number;
-  emphasis: ReadonlyMap<number, string>;
-  path: readonly number[];
 }
 
 export interface MapPanelOptions {
@@ -37,6 +35,7 @@ export class MapPanel {
   private readonly disposer = new Disposer();
   private picture: MapPicture | undefined;
   private content: MapContent | undefined;
+  private emphasis: MapEmphasis | undefined;
   private restoreCamera: (() => void) | undefined;
 
   constructor(private readonly options: MapPanelOptions) {}
@@ -71,9 +70,14 @@ export class MapPanel {
     this.listen(picture);
   }
 
-  show(content: MapContent): void {
+  // The map is drawn again only if a value of its content is another one: a map can be large.
+  show(content: MapContent, emphasis: MapEmphasis): void {
+    const before = this.content;
     this.content = content;
-    this.redraw();
+    this.emphasis = emphasis;
+    const isDrawn = before !== undefined && isSame(before, content);
+    if (isDrawn) this.picture?.emphasize(emphasis);
+    else this.redraw();
     this.restoreCamera?.();
     this.restoreCamera = undefined;
   }
@@ -97,8 +101,8 @@ export class MapPanel {
   }
 
   private redraw(): void {
-    const { content, picture } = this;
-    if (!content || !picture) return;
+    const { content, emphasis, picture } = this;
+    if (!content || !emphasis || !picture) return;
     const { theme } = this.options;
     const { map, colorBy, hiddenLabels } = content;
     picture.draw(map, {
@@ -106,10 +110,13 @@ export class MapPanel {
       axes: content.axes,
       leastProbability: content.leastProbability,
       size: content.size,
-      emphasis: content.emphasis,
-      path: content.path,
       edgeColor: theme.name === 'dark' ? '#e08a80' : '#b03a30',
       textColor: theme.color('--text'),
     });
+    picture.emphasize(emphasis);
   }
+}
+
+function isSame(one: MapContent, other: MapContent): boolean {
+  return (Object.keys(other) as (keyof MapContent)[]).every((key) => one[key] === other[key]);
 }

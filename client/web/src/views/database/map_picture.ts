@@ -12,19 +12,26 @@ export interface MapAppearance {
   leastProbability: number;
   // Semi-axes in standard deviations.
   size: number;
-  // Nodes drawn in one colour, `#rrggbb`, above all others: a path, or a chosen node.
-  emphasis: ReadonlyMap<number, string>;
-  // Successive nodes joined by a line.
-  path: readonly number[];
   edgeColor: string;
   textColor: string;
+}
+
+// What is drawn above a map.
+export interface MapEmphasis {
+  // Nodes in one colour, `#rrggbb`: a path, or a chosen node.
+  nodes: ReadonlyMap<number, string>;
+  // Successive nodes joined by a line.
+  path: readonly number[];
 }
 
 // A drawn map, with WebGL or without.
 export interface MapPicture {
   // The element that gets pointer events. Positions below are px from its top left.
   readonly surface: HTMLCanvasElement;
+  // Draws a map without emphasis.
   draw(map: StateMap, appearance: MapAppearance): void;
+  // Replaces the emphasis.
+  emphasize(emphasis: MapEmphasis): void;
   // Index of the node at a position; -1: none.
   nodeAt(x: number, y: number): number;
   // Position of a node; undefined outside the view.

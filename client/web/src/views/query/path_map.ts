@@ -9,6 +9,13 @@ import type { MomentAnswer } from './prediction';
 
 const kPathColor = '#f0c000';
 const kNextColor = '#1f3fbf';
+const kPathContent = {
+  axes: '123',
+  colorBy: 'label',
+  hiddenLabels: [],
+  leastProbability: 0.05,
+  size: 0.3,
+} as const;
 
 // The estimated node path on the map of states, with the most probable next node, as in Fig. 11.
 export class PathMap {
@@ -37,18 +44,9 @@ export class PathMap {
     const ids = estimate.paths[0]?.nodeIds ?? [];
     const path = withoutRepeats(ids.flatMap((id) => places.get(id) ?? []));
     const next = places.get(prediction.nextNodes[0]?.nodeId ?? -1);
-    const emphasis = new Map(path.map((place) => [place, kPathColor]));
-    if (next !== undefined) emphasis.set(next, kNextColor);
-    this.openPanel().show({
-      map,
-      axes: '123',
-      colorBy: 'label',
-      hiddenLabels: [],
-      leastProbability: 0.05,
-      size: 0.3,
-      emphasis,
-      path,
-    });
+    const nodes = new Map(path.map((place) => [place, kPathColor]));
+    if (next !== undefined) nodes.set(next, kNextColor);
+    this.openPanel().show({ map, ...kPathContent }, { nodes, path });
     this.text.textContent = `Path (yellow): ${path.map((place) => map.nodes.ids[place]!).join(', ')}`;
   }
 

@@ -60,6 +60,12 @@ test('status, operations and downloads of a server without tokens', async (t) =>
   await section(page, 'Status').locator('.chart canvas').nth(3).waitFor();
   await section(page, 'Operations').locator('tr', { hasText: 'demo' }).first().waitFor();
   await checkAccessibility(page);
+  // A table that is drawn again keeps the focus.
+  const link = section(page, 'Status').getByRole('link', { name: 'demo' });
+  await link.focus();
+  const drawn = await link.elementHandle();
+  await page.waitForFunction((node) => !node.isConnected, drawn);
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), 'demo');
   const downloads = section(page, 'Downloads');
   await downloads.locator('option[value=demo]').waitFor({ state: 'attached' });
   await downloads.getByLabel('Database').selectOption('demo');

@@ -56,6 +56,22 @@ test('a node is where the camera projects the mean that the server sends', async
   assert.deepEqual(viewBox, [200, 220]);
 });
 
+test('the address has what was changed just before a link', async (t) => {
+  const page = await open(t, '?layer=4');
+  // The second change is written with a delay.
+  await page.evaluate(() => {
+    for (let i = 0; i < 2; ++i)
+      document
+        .querySelector('.map canvas')
+        .dispatchEvent(new KeyboardEvent('keydown', { key: '[', bubbles: true }));
+    [...document.querySelectorAll('nav a')].find((link) => link.textContent === 'Clips').click();
+  });
+  await page.waitForURL(/#\/clips\/demo/);
+  await page.goBack();
+  await page.waitForURL(/#\/database\/demo\?layer=2/);
+  await page.locator('.map-controls output', { hasText: 'Layer 2' }).waitFor();
+});
+
 test('Shift with arrow keys moves the map', async (t) => {
   const page = await open(t, '?layer=4&camera=0,-7,0,0,0,0');
   await page.locator('.map canvas').press('Shift+ArrowRight');

@@ -72,6 +72,17 @@ test('goal and obstacles are placed on the floor, and the motion is planned', as
     page.getByRole('button', { name: 'Download BVH' }).click(),
   ]);
   assert.match(download.suggestedFilename(), /\.bvh$/);
+
+  // A search that finds nothing leaves no motion of the one before. The answer is an empty message.
+  await page.route('**/motiondb.v1.QueryService/Plan', (route) =>
+    route.fulfill({ status: 200, contentType: 'application/proto', body: Buffer.alloc(0) }),
+  );
+  const hint = page.getByText('The planned motion appears here.');
+  assert.equal(await hint.count(), 0);
+  await page.getByRole('button', { name: 'Plan', exact: true }).click();
+  await hint.waitFor();
+  assert.equal(await floor.locator('.path').count(), 0);
+  assert.ok(await page.getByRole('button', { name: 'Download BVH' }).isDisabled());
 });
 
 test('pointers draw one obstacle at a time', async (t) => {

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -28,11 +29,16 @@ namespace {
 constexpr int kConverterThreads = 2;
 constexpr char kOpenApiPath[] = "/openapi.json";
 
-// Returns whether the Host header names this machine by an address or as localhost.
-bool IsLocalHost(std::string_view host) {
+// Returns whether the Host header has an address, or a name that nobody can register on the
+// internet: one without a dot, or of a local network or cluster.
+bool IsLocalName(std::string_view host) {
   if (host.starts_with('[')) return true;  // an IPv6 address
   host = host.substr(0, host.rfind(':'));
-  return host == "localhost" || host.find_first_not_of("0123456789.") == std::string_view::npos;
+  if (host.find_first_not_of("0123456789.") == std::string_view::npos) return true;
+  constexpr std::array<std::string_view, 4> kLocal = {".local", ".internal", ".home.arpa",
+                                                      ".localhost"};
+  return host.find('.') == std::string_view::npos ||
+         std::ranges::any_of(kLocal, [&](std::string_view end) { return host.ends_with(end); });
 }
 
 Http1Limits LimitsOf(const CallLimitOptions& options) {
@@ -49,7 +55,7 @@ Http1Limits LimitsOf(const CallLimitOptions& options) {
 
 class ConnectHandler final : public HttpHandler {
  public:
-  // `is_open`: only this machine can reach the port, and calls need no token.
+  // `is_open`: calls need no token.
   ConnectHandler(std::shared_ptr<CallBridge> bridge, ThreadPool& converters, SessionContext session,
                  PageFiles page, bool is_open)
       : bridge_(std::move(bridge)),
@@ -68,10 +74,10 @@ class ConnectHandler final : public HttpHandler {
     auto& connect = std::get<ConnectRequest>(parsed);
     // A page of another site whose name resolves to this machine (DNS rebinding) could use the
     // rights of everyone here. A browser sends the name in Host.
-    if (is_open_ && !IsLocalHost(request.Find("host"))) {
+    if (is_open_ && !IsLocalName(request.Find("host"))) {
       return ErrorResponse(
           connect, ToGrpcStatus(absl::PermissionDeniedError(
-                       "without authentication, expected an address or localhost in Host; set "
+                       "without authentication, expected an address or a local name in Host; set "
                        "--authentication token")));
     }
     if (session_.host.access.authentication()) {
@@ -131,7 +137,7 @@ absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& op
   gateway->handler_ = std::make_unique<ConnectHandler>(
       std::move(bridge), *gateway->converters_,
       SessionContext{host, *gateway->sessions_, options.tls != nullptr}, std::move(page),
-      !host.access.authentication() && IsLoopback(listen));
+      !host.access.authentication());
   const auto make = [&handler = *gateway->handler_,
                      limits = LimitsOf(gateway->handler_->options())](AcceptedClient client) {
     return std::make_shared<Http1Connection>(handler, limits, std::move(client));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <exception>
 #include <new>
@@ -27,6 +28,8 @@ namespace {
 
 // Memory that gRPC and this class need for a call, besides its messages.
 constexpr std::int64_t kGatewayCallBytes = 32 << 10;
+// The most that one byte of deflate can become.
+constexpr std::int64_t kMaxGzipRatio = 1032;
 // Conversions of more bytes do not run on the connection's thread.
 constexpr std::int64_t kSmallConversionBytes = 16 << 10;
 // Memory while JSON is converted, as a multiple of its size: the text, the message, its parts.
@@ -86,9 +89,10 @@ std::int64_t GatewayCall::max_body_bytes() const {
   return request_.is_json ? message / 3 * 4 + kJsonExtraBytes : message;
 }
 
-absl::Status GatewayCall::CheckSize(std::int64_t bytes) const {
+absl::Status GatewayCall::CheckSize(std::int64_t bytes) {
   const std::int64_t max = max_body_bytes();
-  if (bytes <= max) return absl::OkStatus();
+  too_large_ = bytes > max;
+  if (!too_large_) return absl::OkStatus();
   return absl::ResourceExhaustedError(fmt::format(
       "expected a request of at most {} bytes (--max-message-mib), got {} or more", max, bytes));
 }
@@ -102,7 +106,10 @@ std::optional<HttpResponse> GatewayCall::Admit(std::int64_t body_bytes) {
   if (const absl::Status size = CheckSize(body_bytes - extra); !size.ok()) {
     return ErrorResponse(request_, ToGrpcStatus(size), 413);
   }
-  if (const absl::Status reserved = Reserve(body_bytes); !reserved.ok()) {
+  // The memory of compressed bodies also bounds how many of a client wait for a converter.
+  const std::int64_t expanded =
+      request_.sends_gzip ? std::min(max_body_bytes(), kMaxGzipRatio * body_bytes) : 0;
+  if (const absl::Status reserved = Reserve(body_bytes + expanded); !reserved.ok()) {
     return ErrorResponse(request_, ToGrpcStatus(reserved));
   }
   return std::nullopt;
@@ -117,7 +124,9 @@ void GatewayCall::Convert(std::int64_t bytes, std::function<absl::StatusOr<Resul
   converting_ = true;
   boost::asio::post(converters_.executor(), [self = shared_from_this(), work = std::move(work),
                                              take = std::move(take)]() mutable {
-    auto result = WithoutExceptions<Result>(work);
+    // Nobody waits for the result of a client that has gone.
+    auto result = self->detached_ ? absl::StatusOr<Result>(absl::CancelledError("disconnected"))
+                                  : WithoutExceptions<Result>(work);
     self->exchange_->Post([self, result = std::move(result), take = std::move(take)]() mutable {
       self->converting_ = false;
       take(std::move(result));
@@ -171,7 +180,8 @@ absl::StatusOr<std::string> GatewayCall::DecodeMessage(std::string content, bool
     MOTIONDB_RETURN_IF_ERROR(Reserve(kJsonFactor * size));
     MOTIONDB_ASSIGN_OR_RETURN(content, ProtoFromJson(type, content));
   }
-  if (content.size() > bridge_.max_message_bytes) {
+  too_large_ = content.size() > bridge_.max_message_bytes;
+  if (too_large_) {
     return absl::ResourceExhaustedError(
         fmt::format("expected a message of at most {} bytes (--max-message-mib), got {} bytes",
                     bridge_.max_message_bytes, content.size()));
@@ -197,7 +207,7 @@ void GatewayCall::BeginCall(std::string message) {
       return Finish(ToGrpcStatus(core::WithReason(
           "CLIENT_DEADLINE", absl::DeadlineExceededError("connect-timeout-ms is 0"))));
     }
-    context_.set_deadline(std::chrono::system_clock::now() + *request_.timeout);
+    context_.set_deadline(began_ + *request_.timeout);
   }
   context_.AddMetadata(kPeerMetadata, exchange_->peer());
   if (!exchange_->common_name().empty()) {
@@ -340,10 +350,9 @@ void GatewayCall::RespondMessage() {
 
 // Ends the request with an error that did not come from the call.
 void GatewayCall::Refuse(const absl::Status& fault) {
-  const bool is_request_size = absl::IsResourceExhausted(fault) && self_ == nullptr;
   const grpc::Status status = ToGrpcStatus(fault);
   if (self_ != nullptr) context_.TryCancel();
-  if (!streaming_ && is_request_size) {
+  if (too_large_) {
     detached_ = true;
     exchange_->Respond(ErrorResponse(request_, status, 413));
   } else {
@@ -354,7 +363,7 @@ void GatewayCall::Refuse(const absl::Status& fault) {
 }
 
 void GatewayCall::Cancel() {
-  if (std::exchange(detached_, true)) return;
+  if (detached_.exchange(true)) return;
   if (!converting_) memory_.Resize(0).IgnoreError();  // a smaller amount is never refused
   if (self_ == nullptr) return;
   context_.TryCancel();

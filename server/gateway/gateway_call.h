@@ -9,6 +9,8 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/client_callback.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -56,7 +58,7 @@ class GatewayCall final : public HttpWork,
   void Finish(const grpc::Status& status);
   void RespondMessage();
   void Refuse(const absl::Status& fault);
-  absl::Status CheckSize(std::int64_t bytes) const;
+  absl::Status CheckSize(std::int64_t bytes);
   absl::Status Reserve(std::int64_t bytes);
   std::int64_t max_body_bytes() const;
 
@@ -64,6 +66,7 @@ class GatewayCall final : public HttpWork,
   ThreadPool& converters_;
   const ConnectRequest request_;
   const std::shared_ptr<HttpExchange> exchange_;
+  const std::chrono::system_clock::time_point began_ = std::chrono::system_clock::now();
   CallMemory::Reservation memory_;  // of bodies and messages in transit
 
   // State of the call. `self_` keeps this alive while gRPC uses it, until OnDone.
@@ -75,8 +78,9 @@ class GatewayCall final : public HttpWork,
   bool writing_ = false;
   bool read_ended_ = false;
   bool holding_ = false;                // gRPC expects further operations; if false, none may start
-  bool detached_ = false;               // the client gets nothing more
-  bool converting_ = false;             // another thread uses `memory_`
+  std::atomic<bool> detached_ = false;  // the client gets nothing more
+  bool converting_ = false;             // another thread uses `memory_` and `too_large_`
+  bool too_large_ = false;              // the request; otherwise an error is that of the memory
   std::optional<std::string> message_;  // of a unary response
   bool streaming_ = false;              // the head of a stream is sent
   std::optional<grpc::Status> status_;  // set when the call is done

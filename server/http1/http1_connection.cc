@@ -1,6 +1,8 @@
 #include "server/http1/http1_connection.h"
 
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -48,6 +50,14 @@ std::string LowerCase(boost::beast::string_view text) {
     return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   });
   return lower;
+}
+
+// Returns whether the client has closed the connection, or has reset it.
+bool HasPeerClosed(int socket) {
+  tcp_info info{};
+  socklen_t size = sizeof(info);
+  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
+  return info.tcpi_state == TCP_CLOSE_WAIT || info.tcpi_state == TCP_CLOSE;
 }
 
 }  // namespace
@@ -300,6 +310,11 @@ void Http1Connection::Tick(Clock::time_point now) {
   if (now > output_latest_) {
     reason_ = "the client reads too slowly";
     return Close();
+  }
+  // A connection with much input does not read, so that it would not notice.
+  const bool is_full = phase_ == Phase::kWork && input_.size() >= kMaxInputBytes;
+  if (is_full && !input_ended_.has_value() && HasPeerClosed(bytes_.socket().native_handle())) {
+    input_ended_ = now;
   }
   if (input_ended_.has_value() && now - *input_ended_ > kHalfClosedTime) return Close();
   const auto waited = now - waiting_since_;

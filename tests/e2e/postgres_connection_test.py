@@ -4,6 +4,7 @@
     postgres_connection_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
+import contextlib
 import os
 import socket
 import subprocess
@@ -117,9 +118,10 @@ class FullDisk(WithCluster):
         self.fill(server)
         before = server.ask_one("recognize", "d", self.clip(7, 40))
         other = os.path.join(disk, "other")
-        with open(other, "wb") as file:
-            free = os.statvfs(disk)
-            file.write(bytes(free.f_bavail * free.f_frsize))
+        # Other processes take and free space meanwhile.
+        with open(other, "wb", buffering=0) as file, contextlib.suppress(OSError):
+            while True:
+                file.write(bytes(4096))
         refused = None
         for seed in range(10, 60):  # there is some room in the files of the tables
             refused = server.run("ingest", "d", self.clip(seed, 2000))

@@ -19,7 +19,7 @@ test('a part of a clip is recognized, and the prediction compared with what happ
   for (const row of await rows.all()) {
     assert.match(await row.locator('td').nth(1).textContent(), /^\d+\.\d cm$/);
   }
-  await page.locator('.path-map', { hasText: /Path \(yellow\): \d/ }).waitFor();
+  await page.locator('.path-map', { hasText: /Path: \d/ }).waitFor();
   await page.getByLabel('Layers').fill('3');
   await page.getByRole('button', { name: 'Show generation probability' }).click();
   await page.locator('figure.profile', { hasText: 'Layer 3' }).waitFor();

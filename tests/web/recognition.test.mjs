@@ -142,7 +142,7 @@ async function checkPath(page, observed) {
   });
   const path = paths[0].nodeIds.filter((id, i, all) => id !== all[i - 1]);
   assert.ok(path.length > 1, `a path of several nodes: ${path}`);
-  await page.getByText(`Path (yellow): ${path.join(', ')}`, { exact: true }).waitFor();
+  await page.getByText(`Path: ${path.join(', ')}`, { exact: true }).waitFor();
   const { ids, means } = await readMap('known', layer, 10_000);
   const at = (id) => means.slice(3 * ids.indexOf(id), 3 * ids.indexOf(id) + 3);
   const middles = path.slice(1).flatMap((id, i) => at(id).map((value, k) => (value + at(path[i])[k]) / 2));
@@ -157,7 +157,7 @@ async function checkPath(page, observed) {
     };
     drawnAt(middles, 'steps of the path');
     const { instanceColors } = drawnAt(marked.flatMap(at), 'nodes of the path and the next one');
-    // The path is yellow, the next node blue.
+    // In the light theme the path is brown, the next node blue.
     for (const [i, node] of marked.entries()) {
       const [red, , blue] = instanceColors.slice(3 * i, 3 * i + 3);
       assert.ok(node === next ? blue > 2 * red : red > 2 * blue, `colour of node ${node}: ${red}, ${blue}`);

@@ -127,11 +127,21 @@ TEST_CASE("Gateway: names of other hosts are refused without authentication", "[
     return Post(server.address(), kList, {kJson, {"Host", host}}, "{}").status;
   };
   for (const char* const own :
-       {"localhost", "localhost:80", "127.0.0.1:80", "127.0.0.1", "[::1]:8"}) {
+       {"localhost", "localhost:80", "127.0.0.1:80", "127.0.0.1", "[::1]:8", "robot-7:8080",
+        "robot.local", "motiondb.default.svc.cluster.local:80", "db.internal"}) {
     CHECK(status(own) == 200);
   }
-  for (const char* const other : {"evil.example", "evil.example:80", "127.0.0.1.evil.example"}) {
-    CHECK(status(other) == 403);
+  for (const bool any_address : {false, true}) {
+    if (any_address) {
+      // As in a container whose port is published on the loopback address of its host.
+      server->options().security.insecure = true;
+      server->options().web_listen = "0.0.0.0:0";
+      server->Restart();
+    }
+    for (const char* const other :
+         {"evil.example", "evil.example:80", "127.0.0.1.evil.example", "local.evil.example"}) {
+      CHECK(status(other) == 403);
+    }
   }
   server->options().security.authentication = server::Authentication::kToken;
   server->Restart();

@@ -1,5 +1,7 @@
 #include "tests/storage/faults/fault_disk.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -140,8 +142,9 @@ void FaultDisk::Arm(Fault fault, int at) {
   operations_ = 0;
   struck_ = false;
   dead_ = false;
-  // Without random salts, equal changes write equal logs.
-  sqlite3_test_control(SQLITE_TESTCTRL_PRNG_SEED, 1, nullptr);
+  // With the same salts, equal changes write equal logs. Not so in another process: names of
+  // temporary files are random too, and would be those of the other half of the tests.
+  sqlite3_test_control(SQLITE_TESTCTRL_PRNG_SEED, static_cast<int>(getpid()), nullptr);
   sqlite3_randomness(0, nullptr);
 }
 

@@ -104,6 +104,8 @@ export class LineChart {
         width: Math.max(100, this.node.clientWidth),
         height: this.height,
         scales: { x: { time: this.options.times === true } },
+        // As all times of the page and of the log.
+        tzDate: (seconds) => uPlot.tzDate(new Date(1000 * seconds), 'Etc/UTC'),
         axes: [axis, { ...axis, label: this.unit, size: 56, labelSize: 18, space: 24 }],
         series: [
           { label: this.options.times === true ? 'time' : (this.options.x ?? 's') },

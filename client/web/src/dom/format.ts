@@ -33,7 +33,7 @@ export function bytes(value: number | bigint): string {
   return `${size.toFixed(1)} TiB`;
 }
 
-// Date and time in UTC, as in 2026-05-01 12:00:00; empty without a time.
+// Date and time, as in 2026-05-01 12:00:00Z (UTC); empty without a time.
 export function time(value: Timestamp | undefined): string {
-  return value ? timestampDate(value).toISOString().slice(0, 19).replace('T', ' ') : '';
+  return value ? `${timestampDate(value).toISOString().slice(0, 19).replace('T', ' ')}Z` : '';
 }

@@ -54,3 +54,13 @@ test('stays inside the clip', () => {
     expect(clock.frame).toBeLessThan(60);
   }
 });
+
+test('an address with a rounded time opens the frame that it was written at', () => {
+  for (const rate of [24, 30, 60, 120, 250, 1000]) {
+    for (let frame = 0; frame < rate; ++frame) {
+      const clock = new PlaybackClock(0, 60);
+      clock.resize(1, rate, Number((frame / rate).toFixed(4)));
+      expect(clock.frame).toBe(frame);
+    }
+  }
+});

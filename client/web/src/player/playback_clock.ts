@@ -51,11 +51,12 @@ export class PlaybackClock {
     this.tell();
   }
 
-  // The length of another motion, and the time to begin with.
+  // The length of another motion, and the time to begin with: that of the nearest frame, because an
+  // address has rounded times.
   resize(lengthSeconds: number, frameRateHz: number, time: number): void {
     this.lengthSeconds = lengthSeconds;
     this.frameRateHz = frameRateHz;
-    this.seek(time);
+    this.seek(Math.round(time * frameRateHz) / frameRateHz);
   }
 
   // Calls back after each change. Returns the function that removes the listener.

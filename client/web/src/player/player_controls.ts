@@ -79,6 +79,9 @@ export class PlayerControls {
   press(event: KeyboardEvent): boolean {
     if (event.ctrlKey || event.altKey || event.metaKey || isEditing(event.target)) return false;
     if (event.key === ' ' && takesSpace(event.target)) return false;
+    // A slider goes to its own ends.
+    const isSlider = event.target instanceof HTMLInputElement && event.target.type === 'range';
+    if (isSlider && (event.key === 'Home' || event.key === 'End')) return false;
     if (event.key === ' ') this.clock.toggle();
     else if (event.key === ',') this.clock.step(-1);
     else if (event.key === '.') this.clock.step(1);

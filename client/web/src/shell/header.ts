@@ -1,5 +1,6 @@
 import { mayActAs, type Session } from '../api/session';
 import { button, element, replaceChildren } from '../dom/element';
+import { keepFocus } from '../dom/focus';
 import { hrefOf } from './place';
 import { kRoutes } from './routes';
 import type { ThemeSwitch } from './theme';
@@ -54,21 +55,20 @@ export class Header {
     const routes = kRoutes.filter(
       (route) => session !== null && route.title !== '' && mayActAs(session, route.role),
     );
-    replaceChildren(
-      this.navigation,
-      ...routes.map((route) =>
-        element(
-          'a',
-          {
-            href: hrefOf(
-              route.needsDatabase ? { view: route.view, database } : { view: route.view },
-            ),
-            'aria-current': route.view === state.view ? 'page' : null,
-          },
-          route.title,
-        ),
+    const links = routes.map((route) =>
+      element(
+        'a',
+        {
+          href: hrefOf(route.needsDatabase ? { view: route.view, database } : { view: route.view }),
+          'aria-current': route.view === state.view ? 'page' : null,
+          'data-key': route.view,
+        },
+        route.title,
       ),
     );
+    keepFocus(this.navigation, () => {
+      replaceChildren(this.navigation, ...links);
+    });
     replaceChildren(
       this.tools,
       session !== null && element('span', { class: 'hint' }, session.principal),

@@ -154,6 +154,7 @@ export class Shell {
     if (samePage) return;
     this.closeView();
     this.drawHeader();
+    if (place.database !== '' && !this.databases.includes(place.database)) this.databasesChanged();
     const notice = new Notice();
     this.host.append(notice.node);
     if (!route) {
@@ -161,7 +162,7 @@ export class Shell {
       return;
     }
     if (route.needsDatabase && place.database === '') {
-      this.openFirstDatabase(route, notice);
+      await this.openFirstDatabase(route, notice);
       return;
     }
     if (place.database !== '' && !isDatabaseId(place.database)) {
@@ -175,7 +176,10 @@ export class Shell {
     await this.openView(route, place, notice);
   }
 
-  private openFirstDatabase(route: Route, notice: Notice): void {
+  private async openFirstDatabase(route: Route, notice: Notice): Promise<void> {
+    // Somebody can have created one since.
+    if (this.databases.length === 0) await this.readDatabases();
+    if (!notice.node.isConnected) return;
     const database = this.databases[0];
     if (database === undefined)
       notice.message('The store has no database. Create one with: motiondb create NAME');

@@ -37,16 +37,20 @@ export class MotionStage {
   private time = 0;
   private shownFrame = -1;
   private cameraPlaced = false;
+  // Px from the top left of the picture; undefined: outside.
+  private pointer: { x: number; y: number } | undefined;
 
   constructor(theme: ThemeSwitch, label: string, parts: readonly StagePart[]) {
     for (const part of parts) this.shown.add(part);
     this.scene = createScene(this.node, { theme, label });
     this.node.append(this.tip);
     this.scene?.canvas.addEventListener('pointermove', (event) => {
-      this.point(event.offsetX, event.offsetY);
+      this.pointer = { x: event.offsetX, y: event.offsetY };
+      this.showTip();
     });
     this.scene?.canvas.addEventListener('pointerleave', () => {
-      this.point(-1000, -1000);
+      this.pointer = undefined;
+      this.showTip();
     });
   }
 
@@ -129,6 +133,7 @@ export class MotionStage {
     if (this.shown.has('trails'))
       this.trails?.update(frame, Math.round(kTrailSeconds * motion.frameRateHz));
     this.moveCamera(positions);
+    if (this.pointer) this.showTip();
   }
 
   // Shows no motion.
@@ -170,9 +175,10 @@ export class MotionStage {
   }
 
   // Names the marker or joint under the pointer, with its position.
-  private point(x: number, y: number): void {
+  private showTip(): void {
+    const { pointer } = this;
     const figure = this.shown.has('markers') ? this.markers : this.joints;
-    const point = figure?.pointAt(x, y) ?? -1;
+    const point = (pointer && figure?.pointAt(pointer.x, pointer.y)) ?? -1;
     const name = figure?.figure.names[point];
     this.tip.hidden = name === undefined;
     if (!figure || name === undefined) return;

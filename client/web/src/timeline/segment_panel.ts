@@ -3,6 +3,7 @@ import type { Connection } from '../api/connection';
 import { hasCode } from '../api/errors';
 import { SegmentSource, type Operation, type WatchDatabaseResponse } from '../api/messages';
 import { button, element, labelled, replaceChildren } from '../dom/element';
+import { keepFocus } from '../dom/focus';
 import { Notice } from '../dom/notice';
 import type { PlaybackClock } from '../player/playback_clock';
 import { freeRange, snapToFrame, type TimeRange } from './segment_edit';
@@ -29,6 +30,9 @@ export class SegmentPanel {
   private readonly form = element('div', { class: 'segment-form row' });
   private readonly notice = new Notice();
   private selected = '';
+  // Name of the segment of the form, and the texts of its inputs when they were saved last.
+  private formOf = '';
+  private saved: readonly string[] = [];
   private running = 0;
   private lastChange: Promise<unknown> = Promise.resolve();
   private waiting: (readonly WatchDatabaseResponse[])[] = [];
@@ -54,6 +58,7 @@ export class SegmentPanel {
       (operation) => {
         this.timeline.setSegments(this.store.all);
         if (operation) options.operation(operation);
+        this.showRange();
         this.drawForm();
       },
     );
@@ -109,12 +114,35 @@ export class SegmentPanel {
   private select(name: string): void {
     this.selected = name;
     this.timeline.select(name);
-    const segment = this.store.find(name);
-    this.options.clock.range = segment ? { begin: segment.start, end: segment.end } : null;
+    this.showRange();
     this.drawForm();
   }
 
+  // The player repeats the selected segment.
+  private showRange(): void {
+    const segment = this.store.find(this.selected);
+    this.options.clock.range = segment ? { begin: segment.start, end: segment.end } : null;
+  }
+
+  // Text that is typed but not saved stays in the form of the same segment.
   private drawForm(): void {
+    const inputs = () => [...this.form.querySelectorAll('input')];
+    const typed = inputs().map((input, i) =>
+      input.value === input.defaultValue || input.value === this.saved[i] ? null : input.value,
+    );
+    const same = this.formOf === this.selected;
+    this.formOf = this.selected;
+    this.saved = [];
+    keepFocus(this.form, () => {
+      this.fillForm();
+    });
+    if (!same) return;
+    inputs().forEach((input, i) => {
+      input.value = typed[i] ?? input.value;
+    });
+  }
+
+  private fillForm(): void {
     const segment = this.store.find(this.selected);
     if (!this.options.editable) {
       replaceChildren(
@@ -134,16 +162,23 @@ export class SegmentPanel {
   }
 
   private editFields(segment: StoredSegment): HTMLElement[] {
-    const label = element('input', { value: segment.label, maxlength: 255, required: true });
-    const start = timeInput(segment.start);
-    const end = timeInput(segment.end);
+    const label = element('input', {
+      value: segment.label,
+      maxlength: 255,
+      required: true,
+      'data-key': 'label',
+    });
+    const start = timeInput(segment.start, 'start');
+    const end = timeInput(segment.end, 'end');
     const save = () => {
       const range = this.rangeOf(start, end);
       const change: Partial<TimeRange> & { label?: string } = {};
       if (label.value !== segment.label) change.label = label.value;
       if (Math.abs(range.start - segment.start) > 5e-4) change.start = range.start;
       if (Math.abs(range.end - segment.end) > 5e-4) change.end = range.end;
-      if (Object.keys(change).length > 0) this.run(() => this.store.update(segment, change));
+      if (Object.keys(change).length === 0) return;
+      this.saved = [label.value, start.value, end.value];
+      this.run(() => this.store.update(segment, change));
     };
     for (const input of [label, start, end]) {
       input.addEventListener('keydown', (event) => {
@@ -154,7 +189,7 @@ export class SegmentPanel {
       labelled('Label', label),
       labelled('Start, s', start),
       labelled('End, s', end),
-      button('Save', save, { class: 'primary' }),
+      button('Save', save, { class: 'primary', 'data-key': 'save' }),
       button('Delete', () => {
         this.run(() => this.store.remove(segment));
       }),
@@ -166,8 +201,13 @@ export class SegmentPanel {
   }
 
   private createFields(): HTMLElement[] {
-    const track = element('input', { value: 'action', maxlength: 63, pattern: '[a-z0-9_\\-]+' });
-    const label = element('input', { maxlength: 255 });
+    const track = element('input', {
+      value: 'action',
+      maxlength: 63,
+      pattern: '[a-z0-9_\\-]+',
+      'data-key': 'track',
+    });
+    const label = element('input', { maxlength: 255, 'data-key': 'label' });
     const create = () => {
       const { clock } = this.options;
       const name = track.value.trim() === '' ? 'action' : track.value.trim();
@@ -187,7 +227,7 @@ export class SegmentPanel {
     return [
       labelled('Track', track),
       labelled('Label', label),
-      button('Add segment from here', create),
+      button('Add segment from here', create, { 'data-key': 'save' }),
     ];
   }
 
@@ -253,6 +293,12 @@ export class SegmentPanel {
   }
 }
 
-function timeInput(seconds: number): HTMLInputElement {
-  return element('input', { type: 'number', min: 0, step: 'any', value: seconds.toFixed(3) });
+function timeInput(seconds: number, key: string): HTMLInputElement {
+  return element('input', {
+    type: 'number',
+    min: 0,
+    step: 'any',
+    value: seconds.toFixed(3),
+    'data-key': key,
+  });
 }

@@ -9,6 +9,9 @@ import {
 } from '../api/messages';
 import type { TimedSegment, TimeRange } from './segment_edit';
 
+// Edits of a clip among which the page looks for one to undo.
+const kUndoneEdits = 100;
+
 // A segment as the timeline shows it.
 export interface StoredSegment extends TimedSegment {
   readonly etag: string;
@@ -23,6 +26,8 @@ export class SegmentStore {
   private segments: StoredSegment[] = [];
   // Etags that updates of this page have given, by name and etag before.
   private readonly successors = new Map<string, string>();
+  // Names of edits that this page has undone, and of the edits that undid them.
+  private readonly undone = new Set<string>();
 
   constructor(
     private readonly api: Api,
@@ -130,16 +135,22 @@ export class SegmentStore {
     this.changed(response.operation);
   }
 
-  // Undoes the last edit of the clip. False if there is none.
+  // Undoes the last edit that changed only segments of this clip, then the one before it, and so
+  // on. False if there is none.
   async undo(): Promise<boolean> {
     const parent = this.clip.split('/').slice(0, 2).join('/');
-    const edits = await this.api.edits.listEdits(
-      { parent, clip: this.clip, pageSize: 1 },
+    const { edits } = await this.api.edits.listEdits(
+      { parent, clip: this.clip, pageSize: kUndoneEdits },
       { signal: this.signal },
     );
-    const edit = edits.edits[0];
+    const edit = edits.find(
+      ({ name, objects }) =>
+        !this.undone.has(name) && objects.every((each) => each.name.startsWith(`${this.clip}/`)),
+    );
     if (!edit) return false;
     const response = await this.api.edits.undoEdit({ name: edit.name }, { signal: this.signal });
+    this.undone.add(edit.name);
+    if (response.edit) this.undone.add(response.edit.name);
     await this.reload();
     this.changed(response.operation);
     return true;

@@ -79,3 +79,24 @@ test('an edge that goes back before the answer is stored where it was', () => {
   const starts = events.move.mock.calls.map(([, change]: { start: number }[]) => change?.start);
   expect(starts.map((start) => start?.toFixed(4))).toEqual(['1.0167', '1.0000']);
 });
+
+test('changes that arrive while an edge is dragged do not end the drag', () => {
+  const { timeline, events } = openTimeline();
+  const stored = segment('walk');
+  timeline.setSegments([stored]);
+  timeline.select(stored.name);
+  const edge = timeline.node.querySelector<HTMLElement>('.edge.end')!;
+  edge.setPointerCapture = () => undefined;
+  // The timeline is one px wide and 10 s long.
+  const point = (kind: string, clientX: number) =>
+    edge.dispatchEvent(new MouseEvent(kind, { clientX, bubbles: true }));
+  point('pointerdown', 0.2);
+  point('pointermove', 0.3);
+  timeline.setSegments([{ ...stored, etag: 'other' }]);
+  edge.dispatchEvent(new Event('blur'));
+  expect(edge.isConnected).toBe(true);
+  expect(events.move).not.toHaveBeenCalled();
+  point('pointerup', 0.3);
+  expect(events.move).toHaveBeenCalledWith(stored, { end: 3 });
+  expect(edge.isConnected).toBe(false);
+});

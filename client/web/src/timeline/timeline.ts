@@ -27,9 +27,10 @@ export class Timeline {
   private selected = '';
   private zoom = 1;
   private shownTime = -1;
-  // The edge that a key moves; it is not drawn anew meanwhile, but afterwards if something `waiting`
-  // has changed.
+  // The edge that a key or a pointer moves; nothing is drawn anew meanwhile, but afterwards if
+  // something `waiting` has changed.
   private held: HTMLElement | undefined;
+  private dragging = false;
   private waiting = false;
 
   constructor(
@@ -145,7 +146,7 @@ export class Timeline {
     let range: TimeRange = { start: segment.start, end: segment.end };
     let sent = range[edge];
     const commit = () => {
-      if (this.held !== handle) return;
+      if (this.held !== handle || this.dragging) return;
       this.held = undefined;
       if (range[edge] !== sent) {
         sent = range[edge];
@@ -176,7 +177,7 @@ export class Timeline {
     handle.addEventListener('pointerdown', (event) => {
       event.preventDefault();
       event.stopPropagation();
-      this.held = undefined;
+      this.held = handle;
       this.drag(handle, event, node, segment, edge, moved);
     });
     return handle;
@@ -190,6 +191,7 @@ export class Timeline {
     edge: Edge,
     moved: (seconds: number) => TimeRange,
   ): void {
+    this.dragging = true;
     handle.setPointerCapture(begin.pointerId);
     let range: TimeRange = { start: segment.start, end: segment.end };
     const move = (event: PointerEvent) => {
@@ -201,9 +203,12 @@ export class Timeline {
       handle.removeEventListener('pointermove', move);
       handle.removeEventListener('pointerup', end);
       handle.removeEventListener('pointercancel', end);
+      this.dragging = false;
+      this.held = undefined;
       if (event.type === 'pointerup' && range[edge] !== segment[edge])
         this.events.move(segment, { [edge]: range[edge] });
-      else this.draw();
+      else this.waiting = true;
+      if (this.waiting) this.draw();
     };
     handle.addEventListener('pointermove', move);
     handle.addEventListener('pointerup', end);

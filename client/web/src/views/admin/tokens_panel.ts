@@ -3,6 +3,7 @@ import { databaseName, lastPart } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
 import { button, element, labelled, replaceChildren, selectOf } from '../../dom/element';
 import { time } from '../../dom/format';
+import { keepFocus } from '../../dom/focus';
 import { Notice } from '../../dom/notice';
 import { tableOf } from '../../dom/table';
 import type { ViewContext } from '../../shell/view';
@@ -108,30 +109,32 @@ export class TokensPanel {
   }
 
   private draw(tokens: readonly Token[]): void {
-    replaceChildren(
-      this.list,
-      tableOf(
-        'Tokens',
-        [
-          { title: 'Token' },
-          { title: 'Role' },
-          { title: 'Database' },
-          { title: 'Purpose' },
-          { title: 'Created' },
-          { title: 'Expires' },
-          { title: 'Revoked' },
-        ],
-        tokens.map((token) => [
-          lastPart(token.name),
-          kRoles[token.role - 1]?.[1] ?? '',
-          token.database === '' ? 'all' : lastPart(token.database),
-          token.description,
-          time(token.createTime),
-          token.expireTime ? time(token.expireTime) : 'never',
-          token.revokeTime ? time(token.revokeTime) : this.revokeButton(token),
-        ]),
-      ),
-    );
+    keepFocus(this.list, () => {
+      replaceChildren(
+        this.list,
+        tableOf(
+          'Tokens',
+          [
+            { title: 'Token' },
+            { title: 'Role' },
+            { title: 'Database' },
+            { title: 'Purpose' },
+            { title: 'Created' },
+            { title: 'Expires' },
+            { title: 'Revoked' },
+          ],
+          tokens.map((token) => [
+            lastPart(token.name),
+            kRoles[token.role - 1]?.[1] ?? '',
+            token.database === '' ? 'all' : lastPart(token.database),
+            token.description,
+            time(token.createTime),
+            token.expireTime ? time(token.expireTime) : 'never',
+            token.revokeTime ? time(token.revokeTime) : this.revokeButton(token),
+          ]),
+        ),
+      );
+    });
   }
 
   private revokeButton(token: Token): HTMLElement {
@@ -148,7 +151,7 @@ export class TokensPanel {
             this.notice.error(error);
           });
       },
-      { 'aria-label': `Revoke ${lastPart(token.name)}` },
+      { 'aria-label': `Revoke ${lastPart(token.name)}`, 'data-key': token.name },
     );
     return node;
   }

@@ -291,6 +291,7 @@ class ClipView {
     });
     this.below.append(panel.node);
     panel.setMotion(motion);
+    panel.setTime(this.clock.time);
     this.disposer.add(() => {
       panel.dispose();
     });
@@ -302,7 +303,8 @@ class ClipView {
   }
 
   private storeTime(): void {
-    this.context.setQuery({ t: this.clock.time === 0 ? null : this.clock.time.toFixed(3) });
+    const { frame, frameRate } = this.clock;
+    this.context.setQuery({ t: frame === 0 ? null : Number((frame / frameRate).toFixed(4)) });
   }
 
   // Work of the main thread and draw calls, for `?statistics=1`.

@@ -4,6 +4,7 @@ import { databaseName } from '../../api/resource_names';
 import { mayActAs } from '../../api/session';
 import { Disposer } from '../../dom/disposer';
 import { button, element, replaceChildren } from '../../dom/element';
+import { keepFocus } from '../../dom/focus';
 import { count } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
@@ -44,6 +45,7 @@ class ClipsView {
   private readonly table: ClipTable;
   private readonly progress: OperationProgress;
   private readonly total = element('p', { class: 'hint', role: 'status' });
+  private readonly list = element('div', { class: 'clip-list' });
   private readonly pager = element('nav', { class: 'row', 'aria-label': 'Pages' });
   private readonly notice = new Notice();
   private reading: AbortController | undefined;
@@ -78,6 +80,10 @@ class ClipsView {
       this.disposer.signal,
       () => void this.read(),
     );
+    this.list.append(
+      this.facets.node,
+      element('div', { class: 'stack' }, this.total, this.table.node, this.pager),
+    );
     host.append(
       element(
         'div',
@@ -87,12 +93,7 @@ class ClipsView {
         this.progress.node,
         this.filterBox.node,
         this.notice.node,
-        element(
-          'div',
-          { class: 'clip-list' },
-          this.facets.node,
-          element('div', { class: 'stack' }, this.total, this.table.node, this.pager),
-        ),
+        this.list,
       ),
     );
   }
@@ -169,7 +170,9 @@ class ClipsView {
       if (controller.signal.aborted || this.disposer.disposed) return;
       this.notice.clear();
       this.filterBox.clearError();
-      this.draw(page);
+      // A click needs the same element when the pointer is released.
+      if (this.list.matches(':active')) this.readSoon();
+      else this.draw(page);
     } catch (error) {
       if (!controller.signal.aborted) this.filterBox.showError(error);
     }
@@ -212,15 +215,25 @@ class ClipsView {
       page.clips.length === 0
         ? `${count(page.total)} clips`
         : `Clips ${count(first + 1)} to ${count(first + page.clips.length)} of ${count(page.total)}`;
-    const previous = button('Previous page', () => {
-      this.turnTo(previousPages(this.state.pages));
-    });
+    const previous = button(
+      'Previous page',
+      () => {
+        this.turnTo(previousPages(this.state.pages));
+      },
+      { 'data-key': 'previous' },
+    );
     previous.disabled = this.state.pages.length === 0;
-    const next = button('Next page', () => {
-      this.turnTo([...this.state.pages, page.next]);
-    });
+    const next = button(
+      'Next page',
+      () => {
+        this.turnTo([...this.state.pages, page.next]);
+      },
+      { 'data-key': 'next' },
+    );
     next.disabled = page.next === '';
-    replaceChildren(this.pager, previous, next);
+    keepFocus(this.pager, () => {
+      replaceChildren(this.pager, previous, next);
+    });
   }
 
   private async remove(clip: Clip): Promise<void> {

@@ -10,6 +10,9 @@ const kShownValues = 12;
 export class FacetPanel {
   readonly node = element('aside', { class: 'facets', 'aria-label': 'Values of the listed clips' });
 
+  // Fields of which all values are shown.
+  private readonly expanded = new Set<string>();
+
   constructor(private readonly apply: (filter: string) => void) {}
 
   draw(facets: readonly Facet[], filter: string): void {
@@ -34,12 +37,14 @@ export class FacetPanel {
         { 'aria-pressed': String(chosen), class: 'facet', 'data-key': term },
       );
       choice.append(element('span', { class: 'facet-count' }, ` ${count(value.clipCount)}`));
-      list.append(element('li', { hidden: index >= kShownValues && !chosen }, choice));
+      const hidden = index >= kShownValues && !chosen && !this.expanded.has(facet.field);
+      list.append(element('li', { hidden }, choice));
     });
-    const more = facet.values.length - kShownValues;
+    const more = this.expanded.has(facet.field) ? 0 : facet.values.length - kShownValues;
     const group = element('section', {}, element('h2', {}, facet.field), list);
     if (more > 0) {
       const show = button(`${count(more)} more`, () => {
+        this.expanded.add(facet.field);
         for (const item of list.children) item.removeAttribute('hidden');
         show.remove();
       });

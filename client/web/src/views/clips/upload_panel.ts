@@ -13,6 +13,11 @@ export class UploadPanel {
   readonly node: HTMLElement;
   private readonly items: UploadItem[] = [];
   private readonly list = element('div', { class: 'stack' });
+  private readonly hint = element(
+    'p',
+    { role: 'status', hidden: true },
+    'A skeleton file needs its motion: drop or choose both together.',
+  );
   private readonly storeAll: HTMLButtonElement;
 
   constructor(
@@ -39,6 +44,7 @@ export class UploadPanel {
         labelled('Upload motion files: drop them here, or choose', input),
         this.storeAll,
       ),
+      this.hint,
       this.list,
     );
     this.listenToDrops();
@@ -64,6 +70,7 @@ export class UploadPanel {
 
   private add(files: File[]): void {
     const jobs = uploadJobs(files);
+    this.hint.hidden = files.length === 0 || jobs.length > 0;
     for (const job of jobs) {
       const item = new UploadItem(this.context, this.database, job, {
         stored: (operation) => {

@@ -59,7 +59,10 @@ export function layerTable(
       () => {
         open(layer);
       },
-      { 'aria-pressed': layer === current ? 'true' : 'false' },
+      {
+        'aria-pressed': layer === current ? 'true' : 'false',
+        'data-key': `layer ${layer}`,
+      },
     );
     return element('tr', {}, element('td', {}, opener), numberCell(count(nodes)));
   });

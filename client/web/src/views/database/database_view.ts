@@ -3,6 +3,7 @@ import { DatabaseView } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
+import { keepFocus } from '../../dom/focus';
 import { percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { View, ViewContext, ViewParams } from '../../shell/view';
@@ -19,7 +20,6 @@ import { NodePoses } from './node_poses';
 import type { StateMap } from './state_map';
 
 const kMaxPoints = 20_000;
-const kChosenColor = '#e0a800';
 
 // The view of a database and its model: the map of states (Figs. 6 to 10) and Table I.
 export function open(host: HTMLElement, context: ViewContext, params: ViewParams): View {
@@ -148,7 +148,10 @@ class DatabasePage implements View {
       this.panel.node.setAttribute('aria-busy', 'true');
       const maxPoints = points ? kMaxPoints : 0;
       const map = await loadMap(this.context.api, { ...request, maxPoints }, signal);
-      if (this.map && this.map.header.modelVersion !== map.header.modelVersion) this.forgetNode();
+      if (this.map && this.map.header.modelVersion !== map.header.modelVersion) {
+        this.forgetNode();
+        void this.loadStatistics();
+      }
       this.map = map;
       this.notice.clear();
       this.draw();
@@ -190,7 +193,7 @@ class DatabasePage implements View {
   private drawMap(map: StateMap): void {
     const { axes, colorBy, hiddenLabels, leastProbability, size, node } = this.settings;
     const chosen = node === undefined ? -1 : map.nodes.ids.indexOf(node);
-    const nodes = new Map(chosen >= 0 ? [[chosen, kChosenColor]] : []);
+    const nodes = new Map(chosen >= 0 ? [[chosen, '--path']] : []);
     this.panel.show(
       { map, axes, colorBy, hiddenLabels, leastProbability, size },
       { nodes, path: [] },
@@ -204,12 +207,14 @@ class DatabasePage implements View {
   }
 
   private drawLayers({ header }: StateMap): void {
-    replaceChildren(
-      this.layers,
-      layerTable(header.nodesPerLayer, header.layer, (layer) => {
-        this.change({ layer });
-      }),
-    );
+    keepFocus(this.layers, () => {
+      replaceChildren(
+        this.layers,
+        layerTable(header.nodesPerLayer, header.layer, (layer) => {
+          this.change({ layer });
+        }),
+      );
+    });
   }
 
   private choose(node: number): void {

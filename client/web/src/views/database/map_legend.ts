@@ -1,4 +1,5 @@
 import { button, element, replaceChildren } from '../../dom/element';
+import { keepFocus } from '../../dom/focus';
 import { clipColor, labelStyles } from '../../drawing/palette';
 import { lastPart } from '../../api/resource_names';
 import type { ThemeName } from '../../shell/theme';
@@ -26,7 +27,11 @@ export class MapLegend {
         () => {
           this.toggle(label);
         },
-        { 'aria-pressed': shown ? 'true' : 'false', class: 'legend-label' },
+        {
+          'aria-pressed': shown ? 'true' : 'false',
+          class: 'legend-label',
+          'data-key': label === '' ? '(no label)' : label,
+        },
       );
       if (colorBy === 'label') node.append(swatch(style.color));
       node.append(label === '' ? '(no label)' : label);
@@ -44,7 +49,9 @@ export class MapLegend {
       colorBy === 'clip' && clips.length > kMaxClips
         ? element('span', { class: 'hint' }, `and ${clips.length - kMaxClips} more clips`)
         : null;
-    replaceChildren(this.node, ...labelButtons, ...clipItems, rest);
+    keepFocus(this.node, () => {
+      replaceChildren(this.node, ...labelButtons, ...clipItems, rest);
+    });
   }
 }
 

@@ -12,7 +12,7 @@ test('another node is emphasized without drawing the map again', async () => {
   const { root, scene } = testScene();
   const more = { canvas: document.createElement('canvas'), camera: new PerspectiveCamera() };
   const orbit = { place: () => undefined };
-  const object = new MapObject({ ...scene, ...more, orbit } as unknown as Scene);
+  const object = new MapObject(Object.assign(scene, more, { orbit }) as unknown as Scene);
   const api = { views: { readStateMap: () => stateMapOf(1, [4, 5, 6]) } } as unknown as Api;
   const request = { database: 'demo', layer: 2, clip: '', maxPoints: 0 };
   const map = await loadMap(api, request, new AbortController().signal);

@@ -70,13 +70,14 @@ export class MapPanel {
     this.listen(picture);
   }
 
-  // The map is drawn again only if a value of its content is another one: a map can be large.
+  // Colours of the emphasis are names of the style sheet, such as --path. The map is drawn again only
+  // if a value of its content is another one: a map can be large.
   show(content: MapContent, emphasis: MapEmphasis): void {
     const before = this.content;
     this.content = content;
     this.emphasis = emphasis;
     const isDrawn = before !== undefined && isSame(before, content);
-    if (isDrawn) this.picture?.emphasize(emphasis);
+    if (isDrawn) this.emphasize();
     else this.redraw();
     this.restoreCamera?.();
     this.restoreCamera = undefined;
@@ -101,8 +102,8 @@ export class MapPanel {
   }
 
   private redraw(): void {
-    const { content, emphasis, picture } = this;
-    if (!content || !emphasis || !picture) return;
+    const { content, picture } = this;
+    if (!content || !picture) return;
     const { theme } = this.options;
     const { map, colorBy, hiddenLabels } = content;
     picture.draw(map, {
@@ -113,7 +114,16 @@ export class MapPanel {
       edgeColor: theme.name === 'dark' ? '#e08a80' : '#b03a30',
       textColor: theme.color('--text'),
     });
-    picture.emphasize(emphasis);
+    this.emphasize();
+  }
+
+  private emphasize(): void {
+    if (!this.emphasis) return;
+    const { nodes, path } = this.emphasis;
+    const colored = [...nodes].map(
+      ([node, name]) => [node, this.options.theme.color(name)] as const,
+    );
+    this.picture?.emphasize({ nodes: new Map(colored), path });
   }
 }
 

@@ -18,7 +18,7 @@ export interface MapAppearance {
 
 // What is drawn above a map.
 export interface MapEmphasis {
-  // Nodes in one colour, `#rrggbb`: a path, or a chosen node.
+  // Colours of nodes, `#rrggbb`: of a path, or of a chosen node.
   nodes: ReadonlyMap<number, string>;
   // Successive nodes joined by a line.
   path: readonly number[];

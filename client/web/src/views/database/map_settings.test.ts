@@ -19,7 +19,7 @@ describe('settings of the map in the URL', () => {
       leastProbability: 0.25,
       size: 1.5,
       points: false,
-      hiddenLabels: ['jump', 'a, b'],
+      hiddenLabels: ['jump', 'a, b', '', '~', '!', 'ü~%7E'],
       node: 0,
     };
     expect(throughUrl(settings)).toEqual(settings);

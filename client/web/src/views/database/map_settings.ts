@@ -30,10 +30,10 @@ export function settingsOf(query: URLSearchParams): MapSettings {
     leastProbability: fractionOf(query.get('least'), 0, 0, 1),
     size: fractionOf(query.get('size'), 0.5, 0.05, 2),
     points: query.get('points') !== '0',
-    hiddenLabels: query
-      .getAll('hide')
-      .flatMap((text) => text.split('~'))
-      .filter((l) => l !== ''),
+    hiddenLabels: (query.get('hide') ?? '')
+      .split('~')
+      .filter((text) => text !== '')
+      .map(labelOf),
     node: integerOf(query.get('node'), 0),
   };
 }
@@ -48,7 +48,7 @@ export function queryOf(settings: MapSettings): Record<string, string | number |
     least: settings.leastProbability === 0 ? null : settings.leastProbability,
     size: settings.size === 0.5 ? null : settings.size,
     points: settings.points ? null : '0',
-    hide: settings.hiddenLabels.join('~'),
+    hide: settings.hiddenLabels.map(textOf).join('~'),
     node: settings.node ?? null,
   };
 }
@@ -62,4 +62,21 @@ function integerOf(text: string | null, least: number): number | undefined {
 function fractionOf(text: string | null, other: number, low: number, high: number): number {
   const value = text === null || text === '' ? NaN : Number(text);
   return value >= low && value <= high ? value : other;
+}
+
+// A label in a list that `~` separates: `!` begins an empty one, and one with a character that has a
+// meaning here.
+function textOf(label: string): string {
+  return label === '' || /[~!]/.test(label)
+    ? `!${encodeURIComponent(label).replaceAll('~', '%7E')}`
+    : label;
+}
+
+function labelOf(text: string): string {
+  if (!text.startsWith('!')) return text;
+  try {
+    return decodeURIComponent(text.slice(1));
+  } catch {
+    return text;
+  }
 }

@@ -37,7 +37,7 @@ test('the ribbon is empty for the time in which the page was hidden', async () =
     }
   }
   const api = { observe: { watchStream }, views: { getFigure: () => Promise.resolve({}) } };
-  const theme = { color: (name: string) => name };
+  const theme = { onChange: () => () => undefined, color: (name: string) => name };
   const drawn = recordRectangles();
   const disposer = new Disposer();
   const context = { api, theme } as unknown as ViewContext;

@@ -67,6 +67,11 @@ export class StreamWatch {
       this.facts,
       this.latency.node,
     );
+    disposer.add(
+      context.theme.onChange(() => {
+        this.ribbon.draw(this.history.all);
+      }),
+    );
     disposer.add(() => {
       this.stage?.dispose();
       this.latency.dispose();

@@ -1,6 +1,7 @@
 import { PlanOutcome, type PlannedMotion, type PlanResponse } from '../../api/messages';
 import { lastPart } from '../../api/resource_names';
 import { button, element, replaceChildren } from '../../dom/element';
+import { keepFocus } from '../../dom/focus';
 
 const kOutcomes: Record<PlanOutcome, string> = {
   [PlanOutcome.UNSPECIFIED]: '',
@@ -53,7 +54,9 @@ export class PlanResults {
       (motions.length === 0
         ? `No motion found: ${response.missing}.`
         : `Motions: ${motions.length}.`) + search;
-    replaceChildren(this.body, ...motions.map((motion, i) => this.row(motion, i, i === chosen)));
+    keepFocus(this.body, () => {
+      replaceChildren(this.body, ...motions.map((motion, i) => this.row(motion, i, i === chosen)));
+    });
     const parts = motions[chosen]?.segments.map(
       ({ clip, startSeconds, endSeconds }) =>
         `${lastPart(clip)} ${startSeconds.toFixed(2)} to ${endSeconds.toFixed(2)} s`,
@@ -68,7 +71,7 @@ export class PlanResults {
       () => {
         this.choose(index);
       },
-      { 'aria-pressed': String(chosen) },
+      { 'aria-pressed': String(chosen), 'data-key': String(index) },
     );
     const texts = [
       `${(quality?.positionErrorM ?? 0).toFixed(2)} m`,

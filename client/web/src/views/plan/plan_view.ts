@@ -17,7 +17,7 @@ import { PlanForm } from './plan_form';
 import { planRequest, type Robot } from './plan_request';
 import { motionsOf, PlanResults } from './plan_results';
 import { planSettingsOf, queryOfPlan, roundedAsInUrl, type PlanSettings } from './plan_settings';
-import { rootPath, stageMotion } from './planned_motion';
+import { isSameMotion, rootPath, stageMotion } from './planned_motion';
 
 const kDownloads: readonly (readonly [string, FileFormat])[] = [
   ['BVH', FileFormat.BVH],
@@ -240,9 +240,11 @@ class PlanPage implements View {
     if (this.stage.scene) this.stage.node.append(this.hint);
   }
 
-  // The same search again gives the same motions, now as files.
+  // The same search again gives the same motions, now as files, unless the model has changed.
   private async download(format: FileFormat): Promise<void> {
-    if (!this.planned) return;
+    const { chosen } = this;
+    const shown = this.response && motionsOf(this.response)[chosen];
+    if (!this.planned || !shown) return;
     const { settings, robot } = this.planned;
     try {
       this.notice.message('Writing the file ...');
@@ -250,7 +252,10 @@ class PlanPage implements View {
       const response = await this.context.api.queries.plan(request, {
         signal: this.disposer.signal,
       });
-      const file = motionsOf(response)[this.chosen]?.file;
+      const motion = motionsOf(response)[chosen];
+      if (!motion || !isSameMotion(motion, shown))
+        throw new Error('The model has changed, so that the motion is another one. Plan again.');
+      const { file } = motion;
       if (!file) throw new Error('Expected the motion as a file, got none.');
       this.notice.message([`Saved ${file.fileName}.`, ...file.notes].join('\n'));
       downloadBytes(file.fileName, [file.data]);

@@ -34,3 +34,9 @@ export function rootPath(planned: PlannedMotion, start: FloorPosition): FloorPos
     heading: normalAngle(start.heading + headingRad),
   }));
 }
+
+// True if both motions have the same markers in each frame.
+export function isSameMotion(one: PlannedMotion, other: PlannedMotion): boolean {
+  const [a, b] = [one.markerPositions, other.markerPositions];
+  return a.length === b.length && a.every((byte, i) => byte === b[i]);
+}

@@ -35,7 +35,7 @@ test('the map is read once for each stored model', async () => {
   const { model, map, show } = openMap();
   await show(1);
   await show(1);
-  expect(map.node.textContent).toContain('Path (yellow): 4, 5');
+  expect(map.node.textContent).toContain('Path: 4, 5');
   expect(model.nodeReads).toBe(1);
   model.version = 2;
   await show(2);

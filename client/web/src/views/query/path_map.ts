@@ -7,8 +7,6 @@ import { describeNode } from '../database/node_panel';
 import type { StateMap } from '../database/state_map';
 import type { MomentAnswer } from './prediction';
 
-const kPathColor = '#f0c000';
-const kNextColor = '#1f3fbf';
 const kPathContent = {
   axes: '123',
   colorBy: 'label',
@@ -44,10 +42,10 @@ export class PathMap {
     const ids = estimate.paths[0]?.nodeIds ?? [];
     const path = withoutRepeats(ids.flatMap((id) => places.get(id) ?? []));
     const next = places.get(prediction.nextNodes[0]?.nodeId ?? -1);
-    const nodes = new Map(path.map((place) => [place, kPathColor]));
-    if (next !== undefined) nodes.set(next, kNextColor);
+    const nodes = new Map(path.map((place) => [place, '--path']));
+    if (next !== undefined) nodes.set(next, '--next');
     this.openPanel().show({ map, ...kPathContent }, { nodes, path });
-    this.text.textContent = `Path (yellow): ${path.map((place) => map.nodes.ids[place]!).join(', ')}`;
+    this.text.textContent = `Path: ${path.map((place) => map.nodes.ids[place]!).join(', ')}`;
   }
 
   hide(): void {

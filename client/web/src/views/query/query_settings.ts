@@ -40,7 +40,7 @@ export function queryOfSettings(settings: QuerySettings): Record<string, string 
     clip: settings.clip,
     from: settings.from ?? null,
     to: settings.to ?? null,
-    at: settings.at === undefined ? null : Number(settings.at.toFixed(3)),
+    at: settings.at === undefined ? null : Number(settings.at.toFixed(4)),
     history: settings.history === 0.4 ? null : settings.history,
     filter: settings.filter,
     without: settings.without ? null : '0',

@@ -13,6 +13,7 @@ import { PlaybackClock } from '../../player/playback_clock';
 import { PlayerControls } from '../../player/player_controls';
 import type { View, ViewContext, ViewParams } from '../../shell/view';
 import { MotionStage } from '../../stage/motion_stage';
+import { snapToFrame } from '../../timeline/segment_edit';
 import { Ghosts } from './ghosts';
 import { MomentPanel } from './moment_panel';
 import { observationOf, observeClip, observeFiles, type ObservedMotion } from './observed_motion';
@@ -177,7 +178,8 @@ class QueryPage implements View {
       this.drawRibbon();
       this.context.announce(`${response.windows.length} windows recognized`);
       if (this.settings.layers.length > 0) void this.loadProfiles();
-      if (at !== undefined) await this.askMoment(at);
+      // The time in the address is rounded.
+      if (at !== undefined) await this.askMoment(snapToFrame(at, this.observed.motion.frameRateHz));
     } catch (error) {
       if (!signal.aborted) this.notice.error(error);
       this.context.connection.whenRestored(error, signal, () => void this.ask(source));
@@ -191,7 +193,6 @@ class QueryPage implements View {
     this.clock.resize(durationOf(motion), motion.frameRateHz, this.settings.at ?? 0);
     this.stage.setMotion(motion);
     this.stage.complete();
-    this.clock.seek(this.settings.at ?? 0);
     this.drawRibbon();
   }
 

@@ -93,8 +93,11 @@ export class SourceForm {
     this.node.addEventListener('drop', (event) => {
       event.preventDefault();
       this.node.classList.remove('over');
-      const files = [...(event.dataTransfer?.files ?? [])];
-      if (files.length > 0) ask({ settings: { ...this.values(), clip: '' }, files });
+      const files = event.dataTransfer?.files;
+      if (!files || files.length === 0) return;
+      // The form shows what is asked about, and asks about it again.
+      this.file.files = files;
+      ask({ settings: this.values(), files: [...files] });
     });
   }
 }

@@ -79,6 +79,7 @@ free_port() {
 }
 port=$(free_port)
 http=$(free_port)
+web=$(free_port)
 
 # in_container LOG COMMAND...: runs a command with the user and variables of the image, and retries
 # if buildah itself could not start. buildah runs from a sealed copy of itself in memory; on a busy
@@ -100,7 +101,7 @@ start_container() {
   local i
   container=$(in_storage from localhost/motiondb)
   in_container "$work/log" motiondbd --listen "127.0.0.1:$port" --http-listen "127.0.0.1:$http" \
-    >"$work/address" &
+    --web-listen "127.0.0.1:$web" >"$work/address" &
   run=$!
   for i in $(seq 300); do
     if grep -q listening "$work/address"; then
@@ -128,6 +129,9 @@ start_container
 [ "$(ps -o uid= -p "$server" | tr -d ' ')" = 65051 ] || fail "the server does not run as user 65051"
 grep -q '^CapEff:.0*$' "/proc/$server/status" || fail "the server has capabilities"
 in_container "$work/health" /usr/lib/motiondb/health_check || fail "the health check failed"
+python3 -c 'import sys, urllib.request
+sys.exit(b"<title>motiondb" not in urllib.request.urlopen(sys.argv[1]).read())' "http://127.0.0.1:$web" ||
+  fail "no web page"
 "$here/walk.py" 6 1 >"$work/walk.bvh"
 "$here/walk.py" 6 2 >"$work/run.bvh"
 ask create demo --marker-set source --min-frames 4 >/dev/null

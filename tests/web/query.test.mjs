@@ -127,6 +127,14 @@ test('a dropped file is recognized as the server does', async (t) => {
   const file = await readFile(`${setup.models}/01_03.bvh`);
   await drop(page.locator('form.drop-zone'), '01_03.bvh', file);
   await page.locator('.ribbon rect:visible').first().waitFor();
+  // The form asks about the same file again.
+  const chosen = page.locator('form.drop-zone input[type=file]');
+  assert.equal(await chosen.evaluate((input) => input.files[0].name), '01_03.bvh');
+  await page.getByLabel('Window, s').fill('0.5');
+  await page.getByRole('button', { name: 'Ask', exact: true }).click();
+  await page.waitForURL(/window=0\.5/);
+  await page.locator('.ribbon rect:visible').first().waitFor();
+  assert.equal(await page.locator('.notice.error:visible').count(), 0);
   // The stored clip of this file has the label climb.
   await page.getByText('Recognized parts as a list').click();
   const parts = await page.locator('.ribbon-runs li').allTextContents();

@@ -46,6 +46,37 @@ TEST_CASE("Connect: responses are compressed if the client accepts it", "[server
   }
 }
 
+TEST_CASE("Connect: compressed bodies of a client reserve what they can become",
+          "[server][gateway]") {
+  WebServer server;
+  server->options().calls.message_memory_bytes = 64 << 20;  // half of it for a client
+  server->Restart();
+  // They can become 22 MB, before it is known who sends them.
+  std::string head =
+      HttpText("POST", kList, {kJson, {"Content-Encoding", "gzip"}, {"Expect", "100-continue"}},
+               std::string(22000, 'x'));
+  head.resize(head.find("\r\n\r\n") + 4);
+  WebClient first(server.address());
+  first.Send(head);
+  CHECK(first.Read(/*head=*/true).status == 100);
+  WebClient second(server.address());
+  second.Send(head);
+  CHECK(second.Read().status == 429);
+  CHECK(Post(server.address(), kList, {kJson}, "{}").status == 200);
+}
+
+TEST_CASE("Connect: a lack of memory is no request that is too large", "[server][gateway]") {
+  WebServer server;
+  server->options().calls.message_memory_bytes = 32 << 20;
+  server->Restart();
+  const auto status = [&](std::size_t size) {
+    const std::string body = R"({"pageToken":")" + std::string(size, 'a') + "\"}";
+    return Post(server.address(), kList, {kJson}, body).status;
+  };
+  CHECK(status(5 << 20) == 429);  // of 16 MiB, JSON needs four times its size
+  CHECK(status(25 << 20) == 413);
+}
+
 TEST_CASE("Gzip: bytes come out again, and corrupt data is an error", "[server][gateway]") {
   const auto admit = [](std::int64_t bytes) {
     return bytes <= 1 << 20 ? absl::OkStatus() : absl::ResourceExhaustedError("too large");

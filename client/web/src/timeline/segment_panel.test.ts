@@ -174,7 +174,7 @@ test('edits of the segments are undone one after the other, and no other edits',
     objects: names.map((name) => ({ name })),
   });
   const [own, other] = [`${clip}/segments/1`, 'databases/demo/clips/b/segments/1'];
-  const edits = [edit(4, clip), edit(3, own, other), edit(2, own), edit(1, own)];
+  const edits = [edit(4, clip), edit(3, own, other), edit(2, own, clip), edit(1, own)];
   const undone: string[] = [];
   const undoEdit = ({ name }: { name: string }) => {
     undone.push(name.split('/').at(-1)!);

@@ -135,17 +135,21 @@ export class SegmentStore {
     this.changed(response.operation);
   }
 
-  // Undoes the last edit that changed only segments of this clip, then the one before it, and so
-  // on. False if there is none.
+  // Undoes the last edit of segments of this clip alone, then the one before it, and so on. False if
+  // there is none.
   async undo(): Promise<boolean> {
     const parent = this.clip.split('/').slice(0, 2).join('/');
     const { edits } = await this.api.edits.listEdits(
       { parent, clip: this.clip, pageSize: kUndoneEdits },
       { signal: this.signal },
     );
+    const isSegment = (name: string) => name.startsWith(`${this.clip}/`);
+    // The label of the clip follows its segments.
     const edit = edits.find(
       ({ name, objects }) =>
-        !this.undone.has(name) && objects.every((each) => each.name.startsWith(`${this.clip}/`)),
+        !this.undone.has(name) &&
+        objects.some((each) => isSegment(each.name)) &&
+        objects.every((each) => isSegment(each.name) || each.name === this.clip),
     );
     if (!edit) return false;
     const response = await this.api.edits.undoEdit({ name: edit.name }, { signal: this.signal });

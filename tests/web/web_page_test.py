@@ -10,6 +10,8 @@ which `motiondb_bench_scale --store FILE` creates. The test files get the server
 find races of page and tests. Exit code 77: skipped.
 """
 
+import concurrent.futures
+import contextlib
 import glob
 import json
 import os
@@ -101,24 +103,8 @@ def start_servers(folder):
     return open_server, secure, programs.Server(store, *web) if store else None
 
 
-def run_tests(setup, deadline):
-    """Runs the test files in one process with one browser; returns its exit code."""
-    names = TESTS or sorted({os.path.basename(path).removesuffix(".test.mjs")
-                             for path in glob.glob(os.path.join(HERE, "*.test.mjs"))}
-                            - {"speed", "large"})
-    try:
-        return subprocess.run(
-            ["node", "--test-reporter=spec", os.path.join(HERE, "run_tests.mjs"), *names],
-            env=os.environ | {"MOTIONDB_WEB_TEST": json.dumps(setup)},
-            timeout=max(1, deadline - time.monotonic())).returncode
-    except subprocess.TimeoutExpired:
-        sys.exit(f"web_page_test: not finished after {TIME_LIMIT} s")
-
-
-def main():
-    deadline = time.monotonic() + TIME_LIMIT
-    chromium = find_chromium()
-    check_requirements()
+def run_part(names, deadline, output):
+    """Runs test files in one process with one browser and servers of its own; returns its exit code."""
     with tempfile.TemporaryDirectory() as folder:
         open_server, secure, large = start_servers(folder)
         try:
@@ -128,17 +114,45 @@ def main():
                      "openAddress": open_server.address, "secureAddress": secure.address,
                      "motiondb": programs.MOTIONDB, "motiondbd": programs.MOTIONDBD,
                      "models": programs.MODELS,
-                     "data": programs.DATA if has_recorded else "", "chromium": chromium,
+                     "data": programs.DATA if has_recorded else "", "chromium": find_chromium(),
                      "hostile": HOSTILE, "hostileMarker": HOSTILE_MARKER, "root": ROOT, "folder": folder,
                      "large": {"web": large.web, "pid": large.process.pid} if large else None}
-            code = run_tests(setup, deadline)
+            return subprocess.run(
+                ["node", "--test-reporter=spec", os.path.join(HERE, "run_tests.mjs"), *names],
+                env=os.environ | {"MOTIONDB_WEB_TEST": json.dumps(setup)}, stdout=output,
+                timeout=max(1, deadline - time.monotonic())).returncode
+        except subprocess.TimeoutExpired:
+            print(f"web_page_test: not finished after {TIME_LIMIT} s", file=output or sys.stdout, flush=True)
+            return 1
         finally:
             for server in (open_server, secure, large):
                 if server:
                     server.stop()
-    if code != 0:
+
+
+def main():
+    begin = time.monotonic()
+    find_chromium()
+    check_requirements()
+    if TESTS:
+        codes = [run_part(TESTS, begin + TIME_LIMIT, None)]
+    else:
+        # Two halves at the same time, because tests and browser wait for each other; `memory` is the
+        # longest.
+        names = sorted({os.path.basename(path).removesuffix(".test.mjs")
+                        for path in glob.glob(os.path.join(HERE, "*.test.mjs"))}
+                       - {"speed", "large"}, key=lambda name: (name == "memory", name))
+        half = len(names) // 2
+        with contextlib.ExitStack() as stack:
+            outputs = [stack.enter_context(tempfile.TemporaryFile("w+")) for _ in range(2)]
+            pool = stack.enter_context(concurrent.futures.ThreadPoolExecutor())
+            codes = list(pool.map(run_part, (names[:half], names[half:]), [begin + TIME_LIMIT] * 2, outputs))
+            for output in outputs:
+                output.seek(0)
+                print(output.read())
+    if any(codes):
         sys.exit("web_page_test: failed")
-    print("web_page_test: passed")
+    print(f"web_page_test: passed in {time.monotonic() - begin:.0f} s")
 
 
 if __name__ == "__main__":

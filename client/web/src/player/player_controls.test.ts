@@ -29,3 +29,25 @@ test('Space plays, but not on a control that it operates', () => {
   expect(pressOn(element('input', { type: 'range' }))).toBe(true);
   expect(clock.playing).toBe(false);
 });
+
+test('the keys of single letters can be switched off, and stay off', () => {
+  const open = () => {
+    const clock = new PlaybackClock(1, 60);
+    const controls = new PlayerControls(clock);
+    document.body.replaceChildren(controls.node);
+    const keys = [...controls.node.querySelectorAll('label')].find((label) =>
+      label.textContent.startsWith('Keys'),
+    )!.control as HTMLInputElement;
+    const press = (key: string) => controls.press(new KeyboardEvent('keydown', { key }));
+    return { clock, keys, press };
+  };
+  const first = open();
+  expect(first.press('.')).toBe(true);
+  expect(first.clock.frame).toBe(1);
+  first.keys.click();
+  expect(first.press('.')).toBe(false);
+  expect(first.press('End')).toBe(true);
+  expect(open().press(',')).toBe(false);
+  open().keys.click();
+  expect(open().press(',')).toBe(true);
+});

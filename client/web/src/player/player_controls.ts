@@ -17,6 +17,8 @@ export class PlayerControls {
   readonly node: HTMLElement;
   private readonly playButton: HTMLButtonElement;
   private readonly slider: HTMLInputElement;
+  // Single letters as commands disturb speech input (WCAG 2.1.4), so they can be switched off.
+  private readonly keys: HTMLInputElement;
   private readonly position = element('span', { class: 'position' });
   private readonly remove: () => void;
   private shownFrame = -1;
@@ -58,6 +60,10 @@ export class PlayerControls {
       clock.loop = loop.checked;
       changed();
     });
+    this.keys = element('input', { type: 'checkbox', checked: keysChosen() });
+    this.keys.addEventListener('change', () => {
+      storeKeys(this.keys.checked);
+    });
     this.node = element(
       'div',
       { class: 'player row', role: 'group', 'aria-label': 'Player' },
@@ -68,6 +74,7 @@ export class PlayerControls {
       this.position,
       labelled('Speed', speed, { class: 'field inline' }),
       labelled('Loop', loop, { class: 'field inline' }),
+      labelled('Keys , and .', this.keys, { class: 'field inline' }),
     );
     this.remove = clock.onChange(() => {
       this.draw();
@@ -82,6 +89,7 @@ export class PlayerControls {
     // A slider goes to its own ends.
     const isSlider = event.target instanceof HTMLInputElement && event.target.type === 'range';
     if (isSlider && (event.key === 'Home' || event.key === 'End')) return false;
+    if (!this.keys.checked && (event.key === ',' || event.key === '.')) return false;
     if (event.key === ' ') this.clock.toggle();
     else if (event.key === ',') this.clock.step(-1);
     else if (event.key === '.') this.clock.step(1);
@@ -142,4 +150,23 @@ export function isEditing(target: EventTarget | null): boolean {
     target instanceof HTMLSelectElement ||
     (target instanceof HTMLInputElement && target.type !== 'checkbox' && target.type !== 'range')
   );
+}
+
+const kStorageKey = 'motiondb.keys';
+
+// The stored choice of the user. Storage can be blocked by the browser.
+function keysChosen(): boolean {
+  try {
+    return localStorage.getItem(kStorageKey) !== 'off';
+  } catch {
+    return true;
+  }
+}
+
+function storeKeys(on: boolean): void {
+  try {
+    localStorage.setItem(kStorageKey, on ? 'on' : 'off');
+  } catch {
+    // Without storage the choice lasts until the view is closed.
+  }
 }

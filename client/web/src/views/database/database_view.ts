@@ -101,8 +101,7 @@ class DatabasePage implements View {
       this.nodeList.node,
       this.tables,
     );
-    this.disposer.listen<'keydown'>(host, 'keydown', (event) => {
-      if (event.target instanceof HTMLInputElement && event.target.type !== 'range') return;
+    this.disposer.listen<'keydown'>(this.panel.node, 'keydown', (event) => {
       if (event.key === '[') this.controls.stepLayer(-1);
       else if (event.key === ']') this.controls.stepLayer(1);
     });

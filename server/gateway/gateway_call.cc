@@ -161,7 +161,8 @@ absl::StatusOr<std::string> GatewayCall::Decode(std::string body) {
         "the envelope is compressed without connect-content-encoding: expected gzip");
   }
   body.erase(0, kMessagePrefixBytes);
-  return DecodeMessage(std::move(body), envelope.compressed && !body.empty());
+  const bool compressed = envelope.compressed && !body.empty();
+  return DecodeMessage(std::move(body), compressed);
 }
 
 // Returns the request as protobuf bytes. Reserves memory for all steps.

@@ -29,7 +29,7 @@ namespace {
 constexpr int kConverterThreads = 2;
 constexpr char kOpenApiPath[] = "/openapi.json";
 
-// Returns whether the Host header has an address, or a name that nobody can register on the
+// Returns whether the Host header has an address, or a name that cannot be registered on the
 // internet: one without a dot, or of a local network or cluster.
 bool IsLocalName(std::string_view host) {
   if (host.starts_with('[')) return true;  // an IPv6 address

@@ -124,7 +124,7 @@ void GatewayCall::Convert(std::int64_t bytes, std::function<absl::StatusOr<Resul
   converting_ = true;
   boost::asio::post(converters_.executor(), [self = shared_from_this(), work = std::move(work),
                                              take = std::move(take)]() mutable {
-    // Nobody waits for the result of a client that has gone.
+    // Cancelled if its client has disconnected meanwhile.
     auto result = self->detached_ ? absl::StatusOr<Result>(absl::CancelledError("disconnected"))
                                   : WithoutExceptions<Result>(work);
     self->exchange_->Post([self, result = std::move(result), take = std::move(take)]() mutable {

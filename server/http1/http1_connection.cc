@@ -307,7 +307,7 @@ void Http1Connection::Tick(Clock::time_point now) {
     if (now - *closing_since_ > kPeerCloseTime) Close();
     return;
   }
-  if (now > output_latest_) {
+  if (!output_.empty() && now > output_since_ + output_time_) {
     reason_ = "the client reads too slowly";
     return Close();
   }

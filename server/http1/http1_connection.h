@@ -117,12 +117,9 @@ class Http1Connection final : public ClientConnection,
   std::int64_t dropped_ = 0;                        // bytes received since `closing_since_`
   std::string reason_;                              // why the server closes it
   Clock::time_point waiting_since_ = began();  // begin of the idle time, of the head or of the body
-  // Slow readers: time in which output of the response has waited, without the wait since
-  // `output_since_`, bytes of that output, and the latest time for the present output.
-  Clock::duration output_waited_{};
+  // Slow readers: since when output waits, and how long the output of the response may still wait.
   Clock::time_point output_since_;
-  std::int64_t output_bytes_ = 0;
-  Clock::time_point output_latest_ = Clock::time_point::max();
+  Clock::duration output_time_ = limits_.answer_time;
 };
 
 }  // namespace motiondb::server

@@ -44,8 +44,7 @@ void Http1Connection::EndStream() {
 
 void Http1Connection::WriteHead(const HttpResponse& response,
                                 std::optional<std::size_t> body_bytes) {
-  output_waited_ = {};
-  output_bytes_ = 0;
+  output_time_ = limits_.answer_time;
   keeps_alive_ = keeps_alive_ && !is_last_response_ && !draining_ && !input_ended_.has_value();
   const auto reason =
       boost::beast::http::obsolete_reason(static_cast<boost::beast::http::status>(response.status));
@@ -67,10 +66,9 @@ void Http1Connection::WriteHead(const HttpResponse& response,
 void Http1Connection::Write(std::string_view bytes) {
   if (output_.empty()) output_since_ = Clock::now();
   output_ += bytes;
-  output_bytes_ += static_cast<std::int64_t>(bytes.size());
   // Over the whole response: otherwise a client could take a block of it each `answer_time`.
-  output_latest_ = output_since_ - output_waited_ + limits_.answer_time +
-                   std::chrono::milliseconds(output_bytes_ / limits_.bytes_per_millisecond);
+  output_time_ += std::chrono::microseconds(1000 * static_cast<std::int64_t>(bytes.size()) /
+                                            limits_.bytes_per_millisecond);
 }
 
 void Http1Connection::EndRequest() {
@@ -97,8 +95,7 @@ bool Http1Connection::WriteSome() {
     if (written_ < output_.size()) continue;
     std::string().swap(output_);
     written_ = 0;
-    output_latest_ = Clock::time_point::max();
-    output_waited_ += Clock::now() - output_since_;
+    output_time_ -= Clock::now() - output_since_;
     answered_.reset();
     const auto work = work_;  // a copy: it may end the request
     if (std::exchange(tell_sent_, false) && work != nullptr) work->OnSent();

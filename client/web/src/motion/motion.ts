@@ -122,3 +122,8 @@ function createTrack(
 ): PointTrack {
   return { names, bones, positions: new Float32Array(frameCount * names.length * 3).fill(NaN) };
 }
+
+// The time of the nearest frame, s.
+export function snapToFrame(seconds: number, frameRateHz: number): number {
+  return Math.round(seconds * frameRateHz) / frameRateHz;
+}

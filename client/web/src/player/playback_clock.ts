@@ -1,5 +1,7 @@
 // Time in a motion while it plays: speed, loop, range and steps of frames.
 
+import { snapToFrame } from '../motion/motion';
+
 export interface PlaybackRange {
   begin: number;
   end: number;
@@ -56,7 +58,7 @@ export class PlaybackClock {
   resize(lengthSeconds: number, frameRateHz: number, time: number): void {
     this.lengthSeconds = lengthSeconds;
     this.frameRateHz = frameRateHz;
-    this.seek(Math.round(time * frameRateHz) / frameRateHz);
+    this.seek(snapToFrame(time, frameRateHz));
   }
 
   // Calls back after each change. Returns the function that removes the listener.

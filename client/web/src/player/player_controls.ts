@@ -1,5 +1,6 @@
 import { button, element, labelled, selectOf } from '../dom/element';
 import { clock as clockText } from '../dom/format';
+import { readChoice, storeChoice } from '../dom/stored_choice';
 import type { PlaybackClock } from './playback_clock';
 
 // While the motion plays, text and slider follow it at this interval.
@@ -60,9 +61,9 @@ export class PlayerControls {
       clock.loop = loop.checked;
       changed();
     });
-    this.keys = element('input', { type: 'checkbox', checked: keysChosen() });
+    this.keys = element('input', { type: 'checkbox', checked: readChoice('keys') !== 'off' });
     this.keys.addEventListener('change', () => {
-      storeKeys(this.keys.checked);
+      storeChoice('keys', this.keys.checked ? 'on' : 'off');
     });
     this.node = element(
       'div',
@@ -150,23 +151,4 @@ export function isEditing(target: EventTarget | null): boolean {
     target instanceof HTMLSelectElement ||
     (target instanceof HTMLInputElement && target.type !== 'checkbox' && target.type !== 'range')
   );
-}
-
-const kStorageKey = 'motiondb.keys';
-
-// The stored choice of the user. Storage can be blocked by the browser.
-function keysChosen(): boolean {
-  try {
-    return localStorage.getItem(kStorageKey) !== 'off';
-  } catch {
-    return true;
-  }
-}
-
-function storeKeys(on: boolean): void {
-  try {
-    localStorage.setItem(kStorageKey, on ? 'on' : 'off');
-  } catch {
-    // Without storage the choice lasts until the view is closed.
-  }
 }

@@ -1,13 +1,13 @@
-export type ThemeName = 'light' | 'dark';
+import { readChoice, storeChoice } from '../dom/stored_choice';
 
-const kStorageKey = 'motiondb.theme';
+export type ThemeName = 'light' | 'dark';
 
 // The light or dark theme: that of the system, until the user chooses one.
 export class ThemeSwitch {
   private readonly system = matchMedia('(prefers-color-scheme: dark)');
   private readonly listeners = new Set<(theme: ThemeName) => void>();
 
-  private chosen = readChoice();
+  private chosen = chosenTheme();
 
   constructor() {
     this.system.addEventListener('change', () => {
@@ -22,7 +22,7 @@ export class ThemeSwitch {
 
   toggle(): void {
     this.chosen = this.name === 'dark' ? 'light' : 'dark';
-    storeChoice(this.chosen);
+    storeChoice('theme', this.chosen);
     this.apply();
   }
 
@@ -43,20 +43,7 @@ export class ThemeSwitch {
   }
 }
 
-// Reads the stored choice. Storage can be blocked by the browser.
-function readChoice(): ThemeName | null {
-  try {
-    const stored = localStorage.getItem(kStorageKey);
-    return stored === 'light' || stored === 'dark' ? stored : null;
-  } catch {
-    return null;
-  }
-}
-
-function storeChoice(theme: ThemeName): void {
-  try {
-    localStorage.setItem(kStorageKey, theme);
-  } catch {
-    // Without storage the choice lasts until the page is closed.
-  }
+function chosenTheme(): ThemeName | null {
+  const stored = readChoice('theme');
+  return stored === 'light' || stored === 'dark' ? stored : null;
 }

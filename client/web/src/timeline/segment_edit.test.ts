@@ -1,12 +1,6 @@
 import { expect, test } from 'vitest';
-import {
-  freeRange,
-  moveEdge,
-  snapToFrame,
-  ticksOf,
-  tracksOf,
-  type TimedSegment,
-} from './segment_edit';
+import { snapToFrame } from '../motion/motion';
+import { freeRange, moveEdge, ticksOf, tracksOf, type TimedSegment } from './segment_edit';
 
 function segment(name: string, start: number, end: number, track = 'action'): TimedSegment {
   return { name, track, label: name, start, end };

@@ -1,5 +1,7 @@
 // Rules of edited segments: whole frames, inside the clip, without overlap in their track.
 
+import { snapToFrame } from '../motion/motion';
+
 export interface TimedSegment {
   readonly name: string;
   readonly track: string;
@@ -13,10 +15,6 @@ export type Edge = 'start' | 'end';
 export interface TimeRange {
   start: number;
   end: number;
-}
-
-export function snapToFrame(seconds: number, frameRateHz: number): number {
-  return Math.round(seconds * frameRateHz) / frameRateHz;
 }
 
 // The segment with one edge moved: to a frame, at least one frame long, and not into a neighbour.

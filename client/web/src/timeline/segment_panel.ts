@@ -5,8 +5,9 @@ import { SegmentSource, type Operation, type WatchDatabaseResponse } from '../ap
 import { button, element, labelled, replaceChildren } from '../dom/element';
 import { keepFocus } from '../dom/focus';
 import { Notice } from '../dom/notice';
+import { snapToFrame } from '../motion/motion';
 import type { PlaybackClock } from '../player/playback_clock';
-import { freeRange, snapToFrame, type TimeRange } from './segment_edit';
+import { freeRange, type TimeRange } from './segment_edit';
 import { SegmentStore, type StoredSegment } from './segment_store';
 import { Timeline } from './timeline';
 import type { Api } from '../api/api';

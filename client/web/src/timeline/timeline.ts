@@ -27,10 +27,9 @@ export class Timeline {
   private selected = '';
   private zoom = 1;
   private shownTime = -1;
-  // The edge that a key or a pointer moves; nothing is drawn anew meanwhile, but afterwards if
+  // The edge that a key moves, or the segment that a pointer drags; nothing is drawn anew meanwhile, but afterwards if
   // something `waiting` has changed.
   private held: HTMLElement | undefined;
-  private dragging = false;
   private waiting = false;
 
   constructor(
@@ -146,7 +145,7 @@ export class Timeline {
     let range: TimeRange = { start: segment.start, end: segment.end };
     let sent = range[edge];
     const commit = () => {
-      if (this.held !== handle || this.dragging) return;
+      if (this.held !== handle) return;
       this.held = undefined;
       if (range[edge] !== sent) {
         sent = range[edge];
@@ -177,7 +176,6 @@ export class Timeline {
     handle.addEventListener('pointerdown', (event) => {
       event.preventDefault();
       event.stopPropagation();
-      this.held = handle;
       this.drag(handle, event, node, segment, edge, moved);
     });
     return handle;
@@ -191,7 +189,7 @@ export class Timeline {
     edge: Edge,
     moved: (seconds: number) => TimeRange,
   ): void {
-    this.dragging = true;
+    this.held = node; // not the handle, whose change a key would store
     handle.setPointerCapture(begin.pointerId);
     let range: TimeRange = { start: segment.start, end: segment.end };
     const move = (event: PointerEvent) => {
@@ -203,7 +201,6 @@ export class Timeline {
       handle.removeEventListener('pointermove', move);
       handle.removeEventListener('pointerup', end);
       handle.removeEventListener('pointercancel', end);
-      this.dragging = false;
       this.held = undefined;
       if (event.type === 'pointerup' && range[edge] !== segment[edge])
         this.events.move(segment, { [edge]: range[edge] });

@@ -1,0 +1,18 @@
+// A choice of the user that the browser keeps, such as the theme. Storage can be blocked; then a choice
+// lasts until the page is closed.
+
+export function readChoice(name: string): string | null {
+  try {
+    return localStorage.getItem(`motiondb.${name}`);
+  } catch {
+    return null;
+  }
+}
+
+export function storeChoice(name: string, value: string): void {
+  try {
+    localStorage.setItem(`motiondb.${name}`, value);
+  } catch {
+    // Blocked.
+  }
+}

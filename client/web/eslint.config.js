@@ -46,4 +46,10 @@ export default typescript.config(
     extends: [typescript.configs.disableTypeChecked],
     languageOptions: { globals: globals.node },
   },
+  {
+    // Parts of the browser tests run in the page.
+    files: ['tests/**/*.mjs'],
+    languageOptions: { globals: { ...globals.node, ...globals.browser } },
+    rules: { eqeqeq: 'error' },
+  },
 );

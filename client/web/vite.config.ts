@@ -21,6 +21,5 @@ export default defineConfig({
     // One document for all files: to make one for each takes most of the time.
     isolate: false,
     include: ['src/**/*.test.ts'],
-    passWithNoTests: true,
   },
 });

@@ -109,12 +109,22 @@ test('the charts show what the server reports', async (t) => {
   await status.locator('.chart canvas').nth(3).waitFor();
   // A chart of one sample has no scale.
   await until(async () => assert.ok((await last('Processor cores in use')) > 0), 60);
+  const cores = status.locator('dt', { hasText: 'Processor cores in use' });
+  await until(async () => {
+    const text = await cores.locator('+ dd').textContent();
+    assert.ok(Math.abs(Number(text) - (await last('Processor cores in use'))) <= 0.005, text);
+  });
   assert.ok((await most('Calls per second')) < 50);
 
   const controller = new AbortController();
   t.after(() => controller.abort());
   const read = async () => {
-    const stream = watch(setup.open, 'DatabaseService/WatchDatabase', { name: 'databases/demo' }, controller.signal);
+    const stream = watch(
+      setup.open,
+      'DatabaseService/WatchDatabase',
+      { name: 'databases/demo' },
+      controller.signal,
+    );
     for await (const message of stream) assert.ok(message);
   };
   for (let i = 0; i < 7; ++i) read().catch(() => {}); // ends with the test
@@ -124,7 +134,9 @@ test('the charts show what the server reports', async (t) => {
     assert.ok(open > 7.5 && open < 12.5, `${open} open calls`);
   }, 60);
 
-  const burst = Array.from({ length: 400 }, () => call(setup.open, 'ServerService/GetServerStatus', {}));
+  const burst = Array.from({ length: 400 }, () =>
+    call(setup.open, 'ServerService/GetServerStatus', {}),
+  );
   await Promise.all(burst);
   await until(async () => assert.ok((await most('Calls per second')) > 50), 60);
   const { body } = await call(setup.open, 'ServerService/GetServerStatus', {});
@@ -136,7 +148,8 @@ test('the charts show what the server reports', async (t) => {
 const pollFast = (page) =>
   page.addInitScript(() => {
     const original = window.setTimeout;
-    window.setTimeout = (call, delay, ...more) => original(call, delay === 1500 ? 200 : delay, ...more);
+    window.setTimeout = (call, delay, ...more) =>
+      original(call, delay === 1500 ? 200 : delay, ...more);
   });
 
 // Reads the row of the operation that runs for `many` until it shows `count` values of progress that
@@ -188,6 +201,9 @@ test('operations show their progress while they run, and are cancelled', async (
   assert.match(await watchProgress(page, 3), /update model: /);
   await cancel();
   await call(setup.open, 'DatabaseService/ReprocessDatabase', { name: 'databases/many' });
-  assert.match(await watchProgress(page, 2), /derive clips again: deriving clips again, \d+ of 200/);
+  assert.match(
+    await watchProgress(page, 2),
+    /derive clips again: deriving clips again, \d+ of 200/,
+  );
   await cancel();
 });

@@ -16,7 +16,9 @@ const kRate = 60; // Hz, of both clips
 // Fails if the n-th stage does not show a frame.
 async function checkStage(page, n, { frames }, frame) {
   await whenDrawn(page, `.motion-pane:nth-child(${n}) canvas`, (drawn) => {
-    const nearest = Math.min(...drawn.map((each) => distance(placesOfInstances(each), frames[frame])));
+    const nearest = Math.min(
+      ...drawn.map((each) => distance(placesOfInstances(each), frames[frame])),
+    );
     assert.ok(nearest < 1e-4, `frame ${frame} on stage ${n}: ${nearest} m away`);
   });
 }
@@ -54,6 +56,12 @@ async function checkCurves(page, { frames, names }) {
   const hand = frames.map((frame) => frame.slice(at, at + 3));
   const axes = [0, 1, 2].map((axis) => overTime(hand.map((place) => place[axis])));
   assert.equal(new Set(await checkLines(canvas, axes, 'position')).size, 3);
+  const shownFrame = async () =>
+    Number((await page.locator('.position').textContent()).match(/frame (\d+)$/)[1]);
+  const values = page.locator('.curve-values');
+  const moment = await shownFrame();
+  const [x, y, z] = hand[moment].map((value) => value.toFixed(3));
+  assert.equal(await values.textContent(), `x ${x}, y ${y}, z ${z} m`);
   await kind.selectOption('speed');
   const speeds = hand.map((_, frame) => {
     const [low, high] = [Math.max(0, frame - 1), Math.min(hand.length - 1, frame + 1)];
@@ -61,7 +69,11 @@ async function checkCurves(page, { frames, names }) {
     return (Math.hypot(...step) * kRate) / (high - low);
   });
   await checkLines(canvas, [overTime(speeds)], 'speed');
-  const [block] = await stream(setup.open, 'ViewService/ReadClipMotion', { name: kClip, joints: true });
+  assert.equal(await values.textContent(), `speed ${speeds[moment].toFixed(3)} m/s`);
+  const [block] = await stream(setup.open, 'ViewService/ReadClipMotion', {
+    name: kClip,
+    joints: true,
+  });
   const { jointNames } = block.figure;
   const joints = floatsOf(block.jointPositions);
   await kind.selectOption('height');
@@ -72,14 +84,28 @@ async function checkCurves(page, { frames, names }) {
   // A click goes to the moment.
   await canvas.evaluate((node) => node.scrollIntoView());
   const box = await page.locator('.chart .u-over').boundingBox();
-  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
-  const [, frame] = (await page.locator('.position').textContent()).match(/frame (\d+)$/);
-  assert.ok(Math.abs(Number(frame) - frames.length / 2) <= 2, `frame ${frame}`);
+  const click = async (part) => {
+    await page.mouse.click(box.x + part * box.width, box.y + box.height / 2);
+    return shownFrame();
+  };
+  const checkFrame = (frame, part) =>
+    assert.ok(Math.abs(frame - part * frames.length) <= 2, `frame ${frame}`);
+  checkFrame(await click(0.5), 0.5);
+  // Keys zoom about this moment.
+  await page.locator('.chart').focus();
+  await page.keyboard.press('+');
+  checkFrame(await click(0.1), 0.5 - 0.4 / 1.5);
+  await page.keyboard.press('0');
+  checkFrame(await click(0.1), 0.1);
 }
 
 async function storedSegments() {
   const { body } = await call(setup.open, 'SegmentService/ListSegments', { parent: kClip });
-  return body.segments.map(({ label, startSeconds: start = 0, endSeconds: end }) => ({ label, start, end }));
+  return body.segments.map(({ label, startSeconds: start = 0, endSeconds: end }) => ({
+    label,
+    start,
+    end,
+  }));
 }
 
 // Records what the progress of the operation shows.
@@ -92,7 +118,11 @@ const recordProgress = (page) =>
       const { textContent: text } = node.querySelector('[role=status]');
       window.progress.push({ text, value: bar.value, hidden: bar.hidden });
     };
-    new MutationObserver(record).observe(node, { childList: true, subtree: true, attributes: true });
+    new MutationObserver(record).observe(node, {
+      childList: true,
+      subtree: true,
+      attributes: true,
+    });
   });
 
 // The model is updated: the progress rises until the server has done it.
@@ -116,7 +146,10 @@ async function checkProgress(page) {
 async function checkDrag(page, { frames }) {
   const before = await storedSegments();
   const duration = frames.length / kRate;
-  assert.deepEqual(before.map(({ label }) => label), ['jump']);
+  assert.deepEqual(
+    before.map(({ label }) => label),
+    ['jump'],
+  );
   await page.locator('.segment-body', { hasText: 'jump' }).press('Enter');
   await recordProgress(page);
   await page.locator('.timeline').evaluate((node) => node.scrollIntoView({ block: 'center' }));

@@ -129,10 +129,32 @@ test('headings sort, the search finds words, and an error of the filter shows it
   await page.fill('.filter input >> nth=1', 'boxing');
   await page.press('.filter input >> nth=1', 'Enter');
   await page.waitForFunction(() => document.querySelectorAll('table.clips tbody tr').length === 1);
+  // The values are those of the found clip.
+  const counts = await page.locator('.facets .facet-count').allTextContents();
+  assert.deepEqual([...new Set(counts)], [' 1']);
   await page.fill(filterInput, 'lable = walk');
   await page.press(filterInput, 'Enter');
   assert.equal(await page.textContent('.filter-error mark'), 'lable = walk');
   await checkAccessibility(page);
+});
+
+test('a change of another client does not disturb who corrects a filter', async (t) => {
+  const page = await openClips(t, { expected: [/400 \(Bad Request\)/] });
+  await page.fill(filterInput, 'label = = boxing');
+  await page.press(filterInput, 'Enter');
+  await page.locator('.filter-error').waitFor();
+  await page.fill(filterInput, 'label = box');
+  await page.locator('.filter-error').evaluate((node) => (node.dataset.seen = 'yes'));
+  await call(setup.open, 'ClipService/UpdateClip', {
+    clip: { name: 'databases/demo/clips/01_03', title: 'Changed elsewhere' },
+    updateMask: 'title',
+  });
+  // The list is read again, with the filter that was applied.
+  await page.locator('.filter-error:not([data-seen])', { hasText: 'label = = boxing' }).waitFor();
+  await page.keyboard.type('ing');
+  assert.equal(await page.inputValue(filterInput), 'label = boxing');
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => document.querySelectorAll('table.clips tbody tr').length === 1);
 });
 
 // The points of a file as the server reads it, with the markers that are computed from each.
@@ -188,6 +210,9 @@ test('an edited rule of an uploaded file changes its figure and the stored clip'
   const rules = { Waist: 'LowerBack', LHand: 'LeftForeArm' };
   for (const [marker, rule] of Object.entries(rules))
     await page.getByLabel(`Rule of ${marker}`, { exact: true }).fill(rule);
+  const store = page.locator('.upload-item').getByRole('button', { name: 'Store' });
+  await page.getByText('The edited rules of the mapping are not used yet').waitFor();
+  assert.ok(await store.isDisabled());
   await page.getByRole('button', { name: 'Use these rules' }).click();
   await page.locator('.mapping p', { hasText: 'Mapping: page-part.' }).waitFor();
   const after = await upload.checkAgain();
@@ -198,7 +223,7 @@ test('an edited rule of an uploaded file changes its figure and the stored clip'
   assert.deepEqual(usedPoints(after), expected.add('LowerBack'));
   await checkPoints(page, after.points);
   assert.equal(await page.getByLabel('Rule of Waist', { exact: true }).inputValue(), '1 LowerBack');
-  await page.locator('.upload-item').getByRole('button', { name: 'Store' }).click();
+  await store.click();
   await page.getByText('stored as').waitFor();
   const [stored] = await stream(setup.open, 'ViewService/ReadClipMotion', {
     name: `${parent}/clips/part`,
@@ -228,11 +253,24 @@ test('a folder of files is checked without a picture for each', async (t) => {
   }));
   await page.setInputFiles('input[type=file]', files);
   const items = page.locator('.upload-item');
-  await items.locator('.hint', { hasText: /^checked$/ }).nth(19).waitFor();
+  await items
+    .locator('.hint', { hasText: /^checked$/ })
+    .nth(19)
+    .waitFor();
   assert.equal(await page.locator('.mapping').count(), 0);
+  const canvases = page.locator('.mapping canvas');
+  const rule = (item) => item.getByLabel('Rule of Waist', { exact: true });
   await items.nth(7).locator('summary').click();
-  await items.nth(7).getByLabel('Rule of Waist', { exact: true }).waitFor();
-  assert.equal(await page.locator('.mapping canvas').count(), 1);
+  await rule(items.nth(7)).waitFor();
+  assert.equal(await canvases.count(), 1);
+  await rule(items.nth(7)).fill('LowerBack');
+  // A closed mapping keeps its rules, not its picture: a browser has few.
+  await items.nth(7).locator('summary').click();
+  await canvases.waitFor({ state: 'detached' });
+  await items.nth(7).locator('summary').click();
+  await canvases.waitFor();
+  assert.equal(await rule(items.nth(7)).inputValue(), 'LowerBack');
+  await page.getByRole('button', { name: 'Reset rules' }).click();
   await page.getByRole('button', { name: 'Store all checked clips' }).click();
   await items.getByText('stored as').nth(19).waitFor();
   const { body } = await call(setup.open, 'ClipService/ListClips', { parent });
@@ -246,7 +284,11 @@ test('a dropped file is stored, and the page shows the update of the model', asy
   await shown(page);
   await page.getByText('0 clips').waitFor();
   const motion = await readBvh('01_03');
-  await drop(page.locator('body'), 'part.bvh', Buffer.from(bvhOf(motion, motion.rows.slice(0, 400))));
+  await drop(
+    page.locator('body'),
+    'part.bvh',
+    Buffer.from(bvhOf(motion, motion.rows.slice(0, 400))),
+  );
   const item = page.locator('.upload-item');
   await item.getByLabel('Label').fill('climb');
   const store = item.getByRole('button', { name: 'Store' });
@@ -272,7 +314,10 @@ test('a dropped file is stored, and the page shows the update of the model', asy
     return [value];
   });
   assert.ok(values.length > 0, JSON.stringify(progress));
-  assert.deepEqual(values, [...values].sort((a, b) => a - b));
+  assert.deepEqual(
+    values,
+    [...values].sort((a, b) => a - b),
+  );
   assert.equal(progress.at(-1)[0], true, 'no bar of an operation that is done');
   const { body } = await call(setup.open, 'ModelService/GetModel', {
     name: 'databases/dropped/models/current',

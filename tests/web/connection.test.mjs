@@ -31,8 +31,18 @@ async function open(t, place) {
 // The place of a view, the same view at another place, and its data.
 const views = [
   ['clips', 'clips/own', 'clips/own?order=label', (page) => page.locator('main tbody tr').first()],
-  ['clip', 'clip/own/01_01', 'clip/own/01_01?t=1', (page) => page.locator('.timeline').getByText('jump').first()],
-  ['database', 'database/own', 'database/own?layer=1', (page) => page.getByText('Variance along').first()],
+  [
+    'clip',
+    'clip/own/01_01',
+    'clip/own/01_01?t=1',
+    (page) => page.locator('.timeline').getByText('jump').first(),
+  ],
+  [
+    'database',
+    'database/own',
+    'database/own?layer=1',
+    (page) => page.getByText('Variance along').first(),
+  ],
 ];
 
 for (const [name, place, other, data] of views) {
@@ -43,7 +53,9 @@ for (const [name, place, other, data] of views) {
     try {
       // The database view makes no call that could fail.
       await banner(page).waitFor();
-      await page.evaluate((hash) => { location.hash = hash; }, `/${other}`);
+      await page.evaluate((hash) => {
+        location.hash = hash;
+      }, `/${other}`);
       await page.locator('main .notice.error').first().waitFor();
       assert.equal(await data(page).count(), 0);
     } finally {
@@ -51,7 +63,9 @@ for (const [name, place, other, data] of views) {
     }
     await data(page).waitFor();
     await banner(page).waitFor({ state: 'detached' });
-    await page.waitForFunction(() => document.querySelectorAll('.notice.error:not([hidden])').length === 0);
+    await page.waitForFunction(
+      () => document.querySelectorAll('.notice.error:not([hidden])').length === 0,
+    );
   });
 }
 
@@ -82,7 +96,9 @@ test('a view whose scripts could not be loaded opens when the server is back', a
   await page.locator('main tbody tr').first().waitFor();
   await server.stop();
   try {
-    await page.evaluate(() => { location.hash = '/database/own'; });
+    await page.evaluate(() => {
+      location.hash = '/database/own';
+    });
     await page.locator('main .notice.error').first().waitFor();
     await banner(page).waitFor();
   } finally {
@@ -90,4 +106,30 @@ test('a view whose scripts could not be loaded opens when the server is back', a
   }
   await page.getByText('Variance along').first().waitFor();
   assert.equal(await banner(page).count(), 0);
+});
+
+test('a server that hangs is reported, and the view goes on when it answers', async (t) => {
+  const page = await open(t, 'database/own');
+  await page.getByText('Variance along').first().waitFor();
+  server.process.kill('SIGSTOP');
+  try {
+    await banner(page).waitFor();
+  } finally {
+    server.process.kill('SIGCONT');
+  }
+  await banner(page).waitFor({ state: 'detached' });
+  await page.evaluate(() => {
+    location.hash = '/clips/own';
+  });
+  await page.locator('main tbody tr').first().waitFor();
+});
+
+test('a page that loads while a proxy does not reach the server opens later', async (t) => {
+  const page = await newPage(t, { ...lost, server: server.url });
+  await page.route('**/session', (route) => route.fulfill({ status: 502, body: 'Bad gateway' }));
+  await page.goto(`${server.url}/#/clips/own`);
+  await page.locator('.notice.error', { hasText: 'does not answer' }).waitFor();
+  await page.unroute('**/session');
+  await page.locator('main tbody tr').first().waitFor();
+  assert.equal(await page.locator('.notice.error:visible').count(), 0);
 });

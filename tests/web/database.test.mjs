@@ -44,15 +44,22 @@ test('a node is where the camera projects the mean that the server sends', async
   }
   // The mean pose of the last one.
   const [node] = clearNodes(places, 4).slice(-1);
-  const picture = page.getByRole('img', { name: `Mean pose of node ${map.ids[node]}`, exact: true });
+  const picture = page.getByRole('img', {
+    name: `Mean pose of node ${map.ids[node]}`,
+    exact: true,
+  });
   await picture.waitFor();
   const drawn = await picture
     .locator('.marker')
-    .evaluateAll((markers) => markers.map((each) => [each.cx.baseVal.value, each.cy.baseVal.value]));
+    .evaluateAll((markers) =>
+      markers.map((each) => [each.cx.baseVal.value, each.cy.baseVal.value]),
+    );
   const expected = await posePlaces(5, map.ids[node]);
   assert.ok(expected.length > 20);
   assert.ok(distance(drawn.flat(), expected.flat()) < 0.01, `${drawn} instead of ${expected}`);
-  const { viewBox } = await picture.evaluate(({ viewBox: { baseVal: box } }) => ({ viewBox: [box.width, box.height] }));
+  const { viewBox } = await picture.evaluate(({ viewBox: { baseVal: box } }) => ({
+    viewBox: [box.width, box.height],
+  }));
   assert.deepEqual(viewBox, [200, 220]);
 });
 
@@ -152,7 +159,8 @@ test('without WebGL a flat map and the tables work', async (t) => {
       for (let x = 10; x < area.width - 80; x += 12) {
         const at = { clientX: area.left + x, clientY: area.top + y };
         surface.dispatchEvent(new PointerEvent('pointermove', at));
-        if (document.querySelector('.node-panel .hint').textContent.startsWith('Node')) return [x, y];
+        if (document.querySelector('.node-panel .hint').textContent.startsWith('Node'))
+          return [x, y];
       }
     }
     throw new Error('expected a node in the map');
@@ -176,15 +184,22 @@ test('without WebGL a flat map and the tables work', async (t) => {
 
 // The linear colour of a text such as rgb(255, 0, 128).
 const linearOf = (text) =>
-  text.match(/\d+/g).slice(0, 3).map((part) => {
-    const value = Number(part) / 255;
-    return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
-  });
+  text
+    .match(/\d+/g)
+    .slice(0, 3)
+    .map((part) => {
+      const value = Number(part) / 255;
+      return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+    });
 
 // Checks the drawn dots against their positions and clips, in any order. `colorOf`: linear colour of a
 // clip; undefined if it is not shown.
 function checkDots(drawn, positions, clips, colorOf) {
-  const key = (values, i) => values.slice(3 * i, 3 * i + 3).map(Math.fround).join();
+  const key = (values, i) =>
+    values
+      .slice(3 * i, 3 * i + 3)
+      .map(Math.fround)
+      .join();
   const expected = new Map(); // colours by place: frames can be at the same place
   let count = 0;
   clips.forEach((clip, i) => {
@@ -194,7 +209,9 @@ function checkDots(drawn, positions, clips, colorOf) {
     const at = key(positions, i);
     expected.set(at, [...(expected.get(at) ?? []), color]);
   });
-  const found = drawn.filter(({ kind, positions: places }) => kind === 'points' && places.length === 3 * count);
+  const found = drawn.filter(
+    ({ kind, positions: places }) => kind === 'points' && places.length === 3 * count,
+  );
   assert.equal(found.length, 1, `${count} dots`);
   const [dots] = found;
   for (let dot = 0; dot < count; ++dot) {
@@ -215,12 +232,14 @@ test('nodes and frames have the colour of their label or clip in the legend', as
   // Colours of the legend by name.
   const legend = async (item) =>
     new Map(
-      await page.locator(`.legend ${item}:has(.swatch)`).evaluateAll((items) =>
-        items.map((node) => [
-          node.textContent,
-          getComputedStyle(node.querySelector('.swatch')).backgroundColor,
-        ]),
-      ),
+      await page
+        .locator(`.legend ${item}:has(.swatch)`)
+        .evaluateAll((items) =>
+          items.map((node) => [
+            node.textContent,
+            getComputedStyle(node.querySelector('.swatch')).backgroundColor,
+          ]),
+        ),
     );
   const check = (names, colors, hidden = undefined) => {
     const linear = new Map([...colors].map(([name, color]) => [name, linearOf(color)]));

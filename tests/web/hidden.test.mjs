@@ -4,6 +4,7 @@ import { test } from 'node:test';
 import { disableWebGL, newPage } from './support/browser.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
+import { failedStream } from './support/stream.mjs';
 import { hide, recordVisibility, show } from './support/visibility.mjs';
 
 const clip = 'databases/demo/clips/01_03';
@@ -17,17 +18,6 @@ async function setTitle(title) {
   assert.equal(status, 200);
 }
 
-// The end of a stream of Connect with an error.
-function failedStream(code) {
-  const message = Buffer.from(JSON.stringify({ error: { code, message: 'revision too old' } }));
-  const head = Buffer.alloc(5);
-  head[0] = 2;
-  head.writeUInt32BE(message.length, 1);
-  head.writeUInt32BE(message.length, 1);
-  const contentType = 'application/connect+proto';
-  return { status: 200, contentType, body: Buffer.concat([head, message]) };
-}
-
 test('hidden pages of clips and of a clip hold no stream, and show what has changed', async (t) => {
   const page = await newPage(t, { expected: [/status of 404/] });
   await disableWebGL(page); // takes most of the time
@@ -35,7 +25,11 @@ test('hidden pages of clips and of a clip hold no stream, and show what has chan
   let watches = 0;
   page.on('request', (request) => (watches += isWatch(request) ? 1 : 0));
   for (const [place, opened, text] of [
-    ['clips/demo', page.getByRole('link', { name: '01_03' }), (title) => page.locator('td', { hasText: title })],
+    [
+      'clips/demo',
+      page.getByRole('link', { name: '01_03' }),
+      (title) => page.locator('td', { hasText: title }),
+    ],
     ['clip/demo/01_03', page.locator('summary'), (title) => page.locator('dd', { hasText: title })],
   ]) {
     const watched = page.waitForRequest(isWatch);
@@ -57,8 +51,9 @@ test('hidden pages of clips and of a clip hold no stream, and show what has chan
 
   // The server has forgotten some changes of the hidden time: the page reads the clip again.
   await hide(page);
-  const deleted = (route) => route.fulfill({ status: 404, json: { code: 'not_found', message: 'no clip' } });
-  const tooOld = (route) => route.fulfill(failedStream('out_of_range'));
+  const deleted = (route) =>
+    route.fulfill({ status: 404, json: { code: 'not_found', message: 'no clip' } });
+  const tooOld = (route) => route.fulfill(failedStream('out_of_range', 'revision too old'));
   await page.route('**/motiondb.v1.ClipService/GetClip', deleted, { times: 1 });
   await page.route('**/motiondb.v1.DatabaseService/WatchDatabase', tooOld, { times: 1 });
   await show(page);

@@ -49,7 +49,12 @@ function collectAnswers(t, name) {
   const controller = new AbortController();
   t.after(() => controller.abort());
   const read = async () => {
-    for await (const message of watch(setup.open, 'ObserveService/WatchStream', { name }, controller.signal)) {
+    for await (const message of watch(
+      setup.open,
+      'ObserveService/WatchStream',
+      { name },
+      controller.signal,
+    )) {
       if (!message.answer) continue;
       const horizons = message.answer.horizons ?? [];
       answers.push({
@@ -74,7 +79,7 @@ async function checkLatencies(page, answers) {
   const tolerance = 0.02 * Math.max(...drawn);
   const known = answers.map(({ latencyMs }) => latencyMs);
   let at = known.length - 1;
-  for (const value of newest.toReversed()) {
+  for (const value of [...newest].reverse()) {
     while (at >= 0 && Math.abs(known[at] - value) > tolerance) --at;
     assert.ok(at-- >= 0, `${newest} in ${known.slice(-60)}`);
   }
@@ -92,7 +97,10 @@ async function checkRibbon(page, answers, frameRateHz) {
     );
     const columns = Array.from({ length: width }, (_, x) => {
       const column = Array.from({ length: height }, (__, y) => pixels[y * width + x]);
-      return { fraction: column.filter((pixel) => pixel !== 0).length / height, color: column.at(-1) };
+      return {
+        fraction: column.filter((pixel) => pixel !== 0).length / height,
+        color: column.at(-1),
+      };
     });
     const text = title.nextSibling.textContent.replaceAll(',', '');
     const seconds = Number(/last (\d+) seconds/.exec(picture.getAttribute('aria-label'))[1]);
@@ -123,7 +131,7 @@ async function checkRibbon(page, answers, frameRateHz) {
   assert.ok(checked > 20 && right >= 0.7 * checked, `${right} of ${checked} bars`);
   // Columns between two bars have mixed colours.
   const ofLabels = [...colors.values()].map((all) => {
-    const middle = all.toSorted((a, b) => a - b)[all.length >> 1];
+    const middle = [...all].sort((a, b) => a - b)[all.length >> 1];
     assert.ok(all.filter((each) => each === middle).length > 0.7 * all.length, `colours ${all}`);
     return middle;
   });
@@ -149,7 +157,9 @@ test('a stream shows its figure, labels, prediction and latency until it ends', 
   await page.locator('.chart canvas').waitFor();
 
   // Figure and ghosts are those of one answer of the server.
-  const { body: list } = await call(setup.open, 'ObserveService/ListStreams', { parent: 'databases/demo' });
+  const { body: list } = await call(setup.open, 'ObserveService/ListStreams', {
+    parent: 'databases/demo',
+  });
   const answers = collectAnswers(t, list.streams[0].name);
   await whenDrawn(page, '.live-scene canvas', (drawn) => {
     const count = (answers[0]?.body.length ?? 0) / 3;
@@ -199,7 +209,9 @@ test('without WebGL a stream shows its labels, prediction and latency', async (t
   await checkAccessibility(page);
 
   // A hidden page does not watch.
-  const ended = page.waitForEvent('requestfailed', (request) => request.url().endsWith('WatchStream'));
+  const ended = page.waitForEvent('requestfailed', (request) =>
+    request.url().endsWith('WatchStream'),
+  );
   await hide(page);
   await ended;
   await show(page);

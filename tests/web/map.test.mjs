@@ -5,9 +5,11 @@ import { newPage } from './support/browser.mjs';
 import { recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { setup } from './support/setup.mjs';
 import { clearNodes, placesOf, readMap } from './support/state_map.mjs';
+import { fingersOf, tapOf } from './support/touch.mjs';
 
 const vector = (values, i) => values.slice(3 * i, 3 * i + 3);
-const columns = (matrices, i) => [0, 1, 2, 3].map((k) => matrices.slice(16 * i + 4 * k, 16 * i + 4 * k + 3));
+const columns = (matrices, i) =>
+  [0, 1, 2, 3].map((k) => matrices.slice(16 * i + 4 * k, 16 * i + 4 * k + 3));
 const length = (a) => Math.hypot(...a);
 const scaled = (a, factor) => a.map((value) => value * factor);
 const apart = (a, b) => length(a.map((value, k) => value - b[k]));
@@ -19,7 +21,10 @@ function assertNear(a, b, tolerance, text) {
 // The parts of a picture of the map; `nodes` and `edges` are the numbers of instances.
 function partsOf(drawn, nodes, edges) {
   const meshes = drawn.filter(({ kind, instances }) => kind === 'triangles' && instances > 0);
-  assert.deepEqual(meshes.map(({ instances }) => instances).sort(), [nodes, edges].filter(Boolean).sort());
+  assert.deepEqual(
+    meshes.map(({ instances }) => instances).sort(),
+    [nodes, edges].filter(Boolean).sort(),
+  );
   // Ellipsoids have colours of their own, edges have one for all.
   return {
     ellipsoids: meshes.find(({ instanceColors }) => instanceColors.length > 0),
@@ -34,7 +39,8 @@ function checkMap(page, map, { isShown = () => true, least = 0, size = 0.5 } = {
   const shown = map.ids.flatMap((_, node) => (isShown(node) ? [node] : []));
   const nodeOf = new Map(shown.map((node) => [map.ids[node], node]));
   const edges = map.transitions.filter(
-    ([from, to, probability]) => from !== to && nodeOf.has(from) && nodeOf.has(to) && probability >= least,
+    ([from, to, probability]) =>
+      from !== to && nodeOf.has(from) && nodeOf.has(to) && probability >= least,
   );
   return whenDrawn(page, '.map canvas', (drawn) => {
     const parts = partsOf(drawn, shown.length, edges.length);
@@ -51,14 +57,27 @@ function checkMap(page, map, { isShown = () => true, least = 0, size = 0.5 } = {
     const widths = edges.map(([from, to, probability], place) => {
       const [across, along, , middle] = columns(parts.edges.matrices, place);
       const ends = [from, to].map((id) => vector(map.means, nodeOf.get(id)));
-      assertNear(middle, ends[0].map((value, k) => (value + ends[1][k]) / 2), 1e-5, `edge ${from}-${to}`);
-      assertNear(along, ends[1].map((value, k) => value - ends[0][k]), 1e-4, `edge ${from}-${to}`);
+      assertNear(
+        middle,
+        ends[0].map((value, k) => (value + ends[1][k]) / 2),
+        1e-5,
+        `edge ${from}-${to}`,
+      );
+      assertNear(
+        along,
+        ends[1].map((value, k) => value - ends[0][k]),
+        1e-4,
+        `edge ${from}-${to}`,
+      );
       return { probability, width: length(across) };
     });
     widths.sort((a, b) => a.probability - b.probability);
     for (const [i, { probability, width }] of widths.slice(1).entries()) {
       const before = widths[i];
-      assert.ok(width >= before.width * 0.9999, `${probability} is not thinner than ${before.probability}`);
+      assert.ok(
+        width >= before.width * 0.9999,
+        `${probability} is not thinner than ${before.probability}`,
+      );
       if (probability > before.probability + 0.01) assert.ok(width > before.width);
     }
     if (edges.length > 1 && widths.at(-1).probability > 4 * widths[0].probability)
@@ -69,8 +88,15 @@ function checkMap(page, map, { isShown = () => true, least = 0, size = 0.5 } = {
 // Position and target of the camera in the URL.
 async function cameraOf(page) {
   await page.waitForURL(/camera=/);
-  const values = new URL(page.url().replace('#/', '')).searchParams.get('camera').split(',').map(Number);
-  return { eye: values.slice(0, 3), target: values.slice(3), distance: apart(values.slice(0, 3), values.slice(3)) };
+  const values = new URL(page.url().replace('#/', '')).searchParams
+    .get('camera')
+    .split(',')
+    .map(Number);
+  return {
+    eye: values.slice(0, 3),
+    target: values.slice(3),
+    distance: apart(values.slice(0, 3), values.slice(3)),
+  };
 }
 
 // The camera after a gesture.
@@ -78,7 +104,7 @@ async function moved(page, gesture) {
   const { hash } = new URL(page.url());
   await gesture();
   // The page writes a gesture in parts.
-  for (let last = hash; last === hash || last !== new URL(page.url()).hash; ) {
+  for (let last = hash; last === hash || last !== new URL(page.url()).hash;) {
     last = new URL(page.url()).hash;
     await page.waitForTimeout(500);
   }
@@ -107,10 +133,13 @@ async function checkPlanes(page, map) {
     const { x, y, width, height } = await canvas.boundingBox(); // the page scrolls to what is used
     const places = placesOf(map, eye, width, height, degrees);
     const inside = (node) =>
-      Math.abs(places[node].x / width - 0.5) < 0.45 && Math.abs(places[node].y / height - 0.5) < 0.45;
+      Math.abs(places[node].x / width - 0.5) < 0.45 &&
+      Math.abs(places[node].y / height - 0.5) < 0.45;
     for (const node of clearNodes(places, places.length).filter(inside).slice(0, 2)) {
       await page.mouse.move(x + places[node].x, y + places[node].y);
-      await page.locator('.node-panel', { hasText: `Node ${map.ids[node]} of layer ${map.header.layer}:` }).waitFor();
+      await page
+        .locator('.node-panel', { hasText: `Node ${map.ids[node]} of layer ${map.header.layer}:` })
+        .waitFor();
     }
   };
   const { width, height } = await canvas.boundingBox();
@@ -129,8 +158,16 @@ async function checkPlanes(page, map) {
   await canvas.hover();
   const scroll = await page.evaluate(() => scrollY);
   const after = await moved(page, () => page.mouse.wheel(0, -240));
-  assert.ok(after.distance < 0.95 * before.distance, `${before.distance} m, then ${after.distance} m`);
-  assertNear(scaled(after.eye, 1 / after.distance), scaled(before.eye, 1 / before.distance), 0.01, 'direction');
+  assert.ok(
+    after.distance < 0.95 * before.distance,
+    `${before.distance} m, then ${after.distance} m`,
+  );
+  assertNear(
+    scaled(after.eye, 1 / after.distance),
+    scaled(before.eye, 1 / before.distance),
+    0.01,
+    'direction',
+  );
   await checkCamera(after.eye, 40);
   const back = await moved(page, () => page.mouse.wheel(0, 240));
   assert.ok(back.distance > 1.05 * after.distance);
@@ -156,7 +193,9 @@ test('nodes and transitions of the map are those of the server, in each plane', 
   await set(control(page, 'Ellipsoids, standard deviations'), '1');
   await checkMap(page, map, { size: 1 });
   await set(control(page, 'Transitions from probability'), '0.2');
-  const few = map.transitions.filter(([from, to, probability]) => from !== to && probability >= 0.2);
+  const few = map.transitions.filter(
+    ([from, to, probability]) => from !== to && probability >= 0.2,
+  );
   assert.ok(few.length > 0 && few.length < map.transitions.length / 2);
   await checkMap(page, map, { size: 1, least: 0.2 });
   await page.waitForURL(/least=0\.2/);
@@ -186,22 +225,16 @@ test('fingers choose a node, turn and zoom the map', async (t) => {
   const { x, y, width, height } = await page.locator('.map canvas').boundingBox();
   const places = placesOf(map, eye, width, height);
   const [node] = clearNodes(places, 1);
-  await page.touchscreen.tap(x + places[node].x, y + places[node].y);
+  const tapAt = await tapOf(page);
+  await tapAt(x + places[node].x, y + places[node].y);
   await page.locator('.node-panel', { hasText: `Node ${map.ids[node]} of layer 4:` }).waitFor();
   await page.waitForURL(new RegExp(`node=${map.ids[node]}\\b`));
 
-  const session = await page.context().newCDPSession(page);
-  const touch = (type, ...points) =>
-    session.send('Input.dispatchTouchEvent', {
-      type,
-      touchPoints: points.map(([left, top], id) => ({ x: x + left, y: y + top, id })),
-    });
-  const middle = [width / 2, height / 2];
-  const turned = await moved(page, async () => {
-    await touch('touchStart', middle);
-    for (const step of [20, 40, 60]) await touch('touchMove', [middle[0] + step, middle[1]]);
-    await touch('touchEnd');
-  });
+  const touch = await fingersOf(page);
+  const middle = [x + width / 2, y + height / 2];
+  const turned = await moved(page, () =>
+    touch([0, 20, 40, 60].map((step) => [[middle[0] + step, middle[1]]])),
+  );
   assert.ok(Math.abs(turned.distance - length(eye)) < 0.02, 'one finger does not zoom');
   // To the right: the camera goes to the left around the vertical axis, 2 pi for the height.
   const angle = Math.atan2(turned.eye[1], turned.eye[0]) - Math.atan2(eye[1], eye[0]);
@@ -213,11 +246,15 @@ test('fingers choose a node, turn and zoom the map', async (t) => {
     [middle[0] - half, middle[1]],
     [middle[0] + half, middle[1]],
   ];
-  const near = await moved(page, async () => {
-    await touch('touchStart', ...fingers(50));
-    for (const half of [60, 80, 100]) await touch('touchMove', ...fingers(half));
-    await touch('touchEnd');
-  });
-  assert.ok(Math.abs(near.distance / turned.distance - 0.5) < 0.1, `${near.distance} of ${turned.distance}`);
-  assertNear(scaled(near.eye, 1 / near.distance), scaled(turned.eye, 1 / turned.distance), 0.05, 'direction');
+  const near = await moved(page, () => touch([50, 60, 80, 100].map(fingers)));
+  assert.ok(
+    Math.abs(near.distance / turned.distance - 0.5) < 0.1,
+    `${near.distance} of ${turned.distance}`,
+  );
+  assertNear(
+    scaled(near.eye, 1 / near.distance),
+    scaled(turned.eye, 1 / turned.distance),
+    0.05,
+    'direction',
+  );
 });

@@ -8,7 +8,9 @@ import { setup } from './support/setup.mjs';
 // The values of a metric by the text of its labels; '' without labels.
 async function metric(name) {
   const text = await (await fetch(`${setup.openMetrics}/metrics`)).text();
-  const lines = text.split('\n').filter((line) => line.startsWith(`${name}{`) || line.startsWith(`${name} `));
+  const lines = text
+    .split('\n')
+    .filter((line) => line.startsWith(`${name}{`) || line.startsWith(`${name} `));
   return new Map(
     lines.map((line) => {
       const [, labels = '', value] = line.match(/^\w+(?:{(.*)})? (.*)$/);
@@ -40,7 +42,11 @@ test('the metrics count the calls of the page, their codes and its streams', asy
   await disableWebGL(page);
   const expected = {};
   const add = (name) => (expected[name] = (expected[name] ?? 0) + 1);
-  const methodOf = (request) => request.url().match(/motiondb\.v1\.(\w+\/\w+)/)?.[1].replace('/', '.');
+  const methodOf = (request) =>
+    request
+      .url()
+      .match(/motiondb\.v1\.(\w+\/\w+)/)?.[1]
+      .replace('/', '.');
   const running = new Set(); // calls that end by themselves
   page.on('request', (request) => {
     const method = methodOf(request);
@@ -57,7 +63,9 @@ test('the metrics count the calls of the page, their codes and its streams', asy
   await page.goto('about:blank');
   await until(async () => assert.equal(await openStreams(), 0));
   add('DatabaseService.WatchDatabase CANCELLED');
-  const { status } = await call(setup.open, 'ClipService/GetClip', { name: 'databases/demo/clips/none' });
+  const { status } = await call(setup.open, 'ClipService/GetClip', {
+    name: 'databases/demo/clips/none',
+  });
   assert.equal(status, 404);
   add('ClipService.GetClip NOT_FOUND');
   assert.ok(expected['ClipService.ListClips OK'] > 0);

@@ -74,7 +74,11 @@ test('hostile texts of a clip and in the answer of a query', async (t) => {
   await page.locator('.facet', { hasText: ofClip[0] }).waitFor();
   const motion = await readBvh('01_01', join(setup.folder, 'hostile'));
   const buffer = Buffer.from(bvhOf(motion, motion.rows.slice(600, 900)));
-  await page.setInputFiles('input[type=file]', { name: 'part.bvh', mimeType: 'text/plain', buffer });
+  await page.setInputFiles('input[type=file]', {
+    name: 'part.bvh',
+    mimeType: 'text/plain',
+    buffer,
+  });
   await page.locator('.rules th', { hasText: setup.hostileMarker }).waitFor();
   await checkHarmless(page);
 });

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { checkAccessibility, newPage, shown } from './support/browser.mjs';
 import { isBusy } from './support/busy.mjs';
+import { motiondb } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 
 const policy =
@@ -45,14 +46,27 @@ test('a deep path gives the page, an unknown file is not found', async (t) => {
   assert.equal((await fetch(`${setup.open}/assets/none.js`)).status, 404);
 });
 
+test('a database that is new is chosen without a reload', async (t) => {
+  const page = await newPage(t);
+  await page.goto(`${setup.open}/#/clips/demo`);
+  await shown(page);
+  await motiondb('create', 'zz_new');
+  t.after(() => motiondb('delete', 'zz_new', '--yes'));
+  await page.evaluate(() => (location.hash = '#/clips/zz_new'));
+  await page.getByText('0 clips').waitFor();
+  const database = page.getByLabel('Database');
+  await database.locator('option', { hasText: 'zz_new' }).waitFor({ state: 'attached' });
+  assert.equal(await database.inputValue(), 'zz_new');
+});
+
 test('the policy stops inline code, eval, foreign images and frames', async (t) => {
   const page = await newPage(t, { expected: [/Content Security Policy/, /foreign host/] });
   await page.goto(`${setup.open}/`);
   await shown(page);
-  const result = await page.evaluate(async () => {
-    const violations = [];
+  await page.evaluate(() => {
+    window.violations = [];
     document.addEventListener('securitypolicyviolation', (event) => {
-      violations.push(event.effectiveDirective);
+      window.violations.push(event.effectiveDirective);
     });
     const script = document.createElement('script');
     script.textContent = 'window.hacked = 1';
@@ -69,14 +83,15 @@ test('the policy stops inline code, eval, foreign images and frames', async (t) 
     const frame = document.createElement('iframe');
     frame.src = 'http://foreign.invalid/';
     document.body.append(frame);
-    await fetch('http://foreign.invalid/').catch(() => {});
-    await new Promise((resolve) => setTimeout(resolve, 1000));
-    return { violations, hacked: window.hacked };
+    void fetch('http://foreign.invalid/').catch(() => {});
   });
-  assert.equal(result.hacked, undefined);
-  for (const directive of ['img-src', 'frame-src', 'connect-src'])
-    assert.ok(result.violations.includes(directive), `${directive}: ${result.violations}`);
-  assert.ok(result.violations.some((directive) => directive.startsWith('script-src')));
+  // The script, the attribute and the link are scripts.
+  await page.waitForFunction(() => {
+    const count = (begin) => window.violations.filter((each) => each.startsWith(begin)).length;
+    const others = ['img-src', 'frame-src', 'connect-src'];
+    return count('script-src') >= 3 && others.every((directive) => count(directive) >= 1);
+  });
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
 });
 
 test('a server that is older than the page says so', async (t) => {
@@ -94,3 +109,23 @@ for (const colorScheme of ['light', 'dark']) {
     await checkAccessibility(page);
   });
 }
+
+test('the focus goes to the heading of a view that the user opens', async (t) => {
+  const page = await newPage(t);
+  const hasFocus = (locator) => locator.evaluate((node) => node === document.activeElement);
+  await page.goto(`${setup.open}/`);
+  const link = page.getByRole('link', { name: '01_03' });
+  await link.waitFor();
+  assert.ok(await hasFocus(page.locator('body')), 'a page that opens moves no focus');
+  await link.press('Enter');
+  await page.locator('.segment-body').first().waitFor();
+  assert.ok(await hasFocus(page.getByRole('heading', { level: 1, name: '01_03' })));
+  await page.keyboard.press('.');
+  await page.locator('.position', { hasText: 'frame 1' }).waitFor();
+  // A menu keeps the focus; screen readers say the heading.
+  const menu = page.getByLabel('Database');
+  await menu.focus();
+  await menu.selectOption('hostile');
+  await page.locator('[aria-live]', { hasText: 'Clips of hostile' }).waitFor();
+  assert.ok(await hasFocus(menu));
+});

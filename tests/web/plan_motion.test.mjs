@@ -34,8 +34,10 @@ async function plannedMotions(body = {}) {
 const place = `plan/demo?clip=01_01&time=0.5&start=${kStart}&goal=${kGoal}&alternatives=1&seed=7`;
 
 const frameOf = (base64, size, frame) => floatsOf(base64).slice(size * frame, size * (frame + 1));
-const markersOf = (motion, frame) => frameOf(motion.markerPositions, 3 * motion.markerNames.length, frame);
-const jointsOf = (motion, frame) => frameOf(motion.jointPositions, 3 * motion.jointNames.length, frame);
+const markersOf = (motion, frame) =>
+  frameOf(motion.markerPositions, 3 * motion.markerNames.length, frame);
+const jointsOf = (motion, frame) =>
+  frameOf(motion.jointPositions, 3 * motion.jointNames.length, frame);
 
 // Fails if no draw call has its instances at these places.
 function checkPlaces(drawn, expected, what) {
@@ -75,9 +77,16 @@ async function checkFloor(page, motion, frame) {
   const scale = (start.at[0] - goal.at[0]) / (kGoal[1] - kStart[1]);
   const { xM: x = 0, yM: y = 0, headingRad: heading = 0 } = motion.root[frame];
   const [cos, sin] = [Math.cos(kStart[2]), Math.sin(kStart[2])];
-  const expected = [start.at[0] - scale * (sin * x + cos * y), start.at[1] - scale * (cos * x - sin * y)];
-  assert.ok(distance(body.at, expected) < 0.1, `body of frame ${frame} at ${body.at}, not ${expected}`);
-  const turned = Math.atan2(body.at[0] - body.tip[0], body.at[1] - body.tip[1]) - heading - kStart[2];
+  const expected = [
+    start.at[0] - scale * (sin * x + cos * y),
+    start.at[1] - scale * (cos * x - sin * y),
+  ];
+  assert.ok(
+    distance(body.at, expected) < 0.1,
+    `body of frame ${frame} at ${body.at}, not ${expected}`,
+  );
+  const turned =
+    Math.atan2(body.at[0] - body.tip[0], body.at[1] - body.tip[1]) - heading - kStart[2];
   assert.ok(Math.abs(Math.sin(turned / 2)) < 0.01, `heading of frame ${frame}`);
 }
 
@@ -105,7 +114,10 @@ function times([ax, ay, az, aw], [bx, by, bz, bw]) {
   ];
 }
 const rotate = (turn, [x, y, z]) =>
-  times(times(turn, [x, y, z, 0]), turn.map((value, i) => (i < 3 ? -value : value))).slice(0, 3);
+  times(
+    times(turn, [x, y, z, 0]),
+    turn.map((value, i) => (i < 3 ? -value : value)),
+  ).slice(0, 3);
 
 // The matrix of a shape of a link in a frame, column by column.
 function matrixOf(motion, { joint = 0, sizeM, positionM, rotation }, frame) {
@@ -139,7 +151,9 @@ const positionAt = (positions, count, frame, point) =>
 
 function checkTable(text, motion) {
   const [head, ...lines] = text.trimEnd().split('\n');
-  const columns = motion.markerNames.flatMap((name) => ['x', 'y', 'z'].map((axis) => `${name}_${axis}_m`));
+  const columns = motion.markerNames.flatMap((name) =>
+    ['x', 'y', 'z'].map((axis) => `${name}_${axis}_m`),
+  );
   assert.equal(head, ['time_s', ...columns].join(','));
   assert.equal(lines.length, motion.frameCount);
   const positions = floatsOf(motion.markerPositions);
@@ -177,13 +191,19 @@ function checkBvh(bytes, motion) {
   const lines = bytes.toString().split('\n');
   const begin = lines.indexOf(`Frames: ${motion.frameCount}`);
   assert.ok(begin > 0, 'number of frames');
-  assert.ok(Math.abs(Number(lines[begin + 1].split(':')[1]) * motion.frameRateHz - 1) < 1e-5, lines[begin + 1]);
+  assert.ok(
+    Math.abs(Number(lines[begin + 1].split(':')[1]) * motion.frameRateHz - 1) < 1e-5,
+    lines[begin + 1],
+  );
   const joints = floatsOf(motion.jointPositions);
   for (let frame = 0; frame < motion.frameCount; ++frame) {
     // In cm; z is up in the plan, y in the file.
     const [x, y, z] = positionAt(joints, motion.jointNames.length, frame, 0);
     const root = lines[begin + 2 + frame].trim().split(/\s+/).slice(0, 3).map(Number);
-    assert.ok(distance(root, [100 * x, 100 * z, -100 * y]) < 1e-3, `root of frame ${frame}: ${root}`);
+    assert.ok(
+      distance(root, [100 * x, 100 * z, -100 * y]) < 1e-3,
+      `root of frame ${frame}: ${root}`,
+    );
   }
 }
 
@@ -197,7 +217,10 @@ async function checkPlaying(page, motions) {
   await choose(page, 'Alternative 1');
   await checkFrame(page, motions[1], 0);
   const frame = await playAndPause(page);
-  assert.ok(distance(markersOf(motions[1], frame), markersOf(motions[1], 0)) > 0.02, 'the figure moves');
+  assert.ok(
+    distance(markersOf(motions[1], frame), markersOf(motions[1], 0)) > 0.02,
+    'the figure moves',
+  );
   await checkFrame(page, motions[1], frame);
   // The bones join the markers.
   const { body } = await call(setup.open, 'ViewService/GetFigure', { name: 'databases/demo' });
@@ -243,7 +266,9 @@ async function checkOnRobot(page) {
   const knees = ['l_knee', 'r_knee'].map((name) => motion.dofNames.indexOf(name));
   const angles = floatsOf(motion.jointAngles);
   const turnOf = (frame) =>
-    Math.max(...knees.map((dof) => Math.abs(angles[frame * motion.dofNames.length + dof] - angles[dof])));
+    Math.max(
+      ...knees.map((dof) => Math.abs(angles[frame * motion.dofNames.length + dof] - angles[dof])),
+    );
   const frames = Array.from({ length: motion.frameCount }, (_, frame) => frame);
   const bent = frames.reduce((best, frame) => (turnOf(frame) > turnOf(best) ? frame : best));
   assert.ok(turnOf(bent) > 0.2, `the knees turn by ${turnOf(bent)} rad`);

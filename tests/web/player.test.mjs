@@ -21,13 +21,20 @@ async function openClip(t, query) {
 
 // Steps of the path of a marker in the second before a frame, each as the positions of both ends.
 function pathOf({ names, frames }, marker, frame) {
-  const at = (index) => frames[index].slice(3 * names.indexOf(marker), 3 * names.indexOf(marker) + 3);
-  return Array.from({ length: kTrailFrames }, (_, step) => [...at(frame - step - 1), ...at(frame - step)]);
+  const at = (index) =>
+    frames[index].slice(3 * names.indexOf(marker), 3 * names.indexOf(marker) + 3);
+  return Array.from({ length: kTrailFrames }, (_, step) => [
+    ...at(frame - step - 1),
+    ...at(frame - step),
+  ]);
 }
 
 // The trails in a picture. The lines of the floor are at height 0.
 const trailsIn = (drawn) =>
-  drawn.filter(({ kind, positions }) => kind === 'lines' && positions.some((value, i) => i % 3 === 2 && value !== 0));
+  drawn.filter(
+    ({ kind, positions }) =>
+      kind === 'lines' && positions.some((value, i) => i % 3 === 2 && value !== 0),
+  );
 
 test('a trail is the path of its marker in the last second', async (t) => {
   const motion = await motionOf(setup.open, clip, { frameCount: 62 });
@@ -37,7 +44,10 @@ test('a trail is the path of its marker in the last second', async (t) => {
       const trails = trailsIn(drawn);
       assert.equal(trails.length, 1, 'draw calls of trails');
       const paths = markers.flatMap((marker) => pathOf(motion, marker, frame).flat());
-      assert.ok(distance(trails[0].positions, paths) < 1e-5, `trails of ${markers} at frame ${frame}`);
+      assert.ok(
+        distance(trails[0].positions, paths) < 1e-5,
+        `trails of ${markers} at frame ${frame}`,
+      );
     });
   const ends = motion.names.filter((name) => /hand|wrist|toe|ankle/i.test(name));
   assert.ok(ends.length >= 4, ends.join());
@@ -71,12 +81,16 @@ test('the camera follows the figure only if that is chosen', async (t) => {
     const values = textOf(page.url()).split(',').map(Number);
     return { eye: values.slice(0, 3), target: values.slice(3) };
   };
-  const length = ({ eye: from, target: to }) => Math.hypot(...from.map((value, i) => value - to[i]));
+  const length = ({ eye: from, target: to }) =>
+    Math.hypot(...from.map((value, i) => value - to[i]));
   const page = await openClip(t, `show=markers&camera=${[...eye, ...target].join(',')}`);
   const checkCamera = async (expected, what) => {
     const camera = await cameraOf(page);
     assert.ok(distance(camera.target, expected) < 0.011, `${what}: ${camera.target}, ${expected}`);
-    assert.ok(Math.abs(length(camera) - length({ eye, target })) < 0.03, `${what}: ${length(camera)} m`);
+    assert.ok(
+      Math.abs(length(camera) - length({ eye, target })) < 0.03,
+      `${what}: ${length(camera)} m`,
+    );
   };
   const follow = page.getByLabel('Follow camera');
   await page.keyboard.press('End');
@@ -92,7 +106,10 @@ test('the camera follows the figure only if that is chosen', async (t) => {
   await page.keyboard.press('End');
   await page.locator('.position', { hasText: `frame ${motion.frames.length - 1}` }).waitFor();
   await checkCamera([...first, target[2]], 'stays');
-  assert.ok(distance(last, first) > 0.5 && distance(last, target.slice(0, 2)) > 0.5, 'the figure moves');
+  assert.ok(
+    distance(last, first) > 0.5 && distance(last, target.slice(0, 2)) > 0.5,
+    'the figure moves',
+  );
 });
 
 test('a picture of all parts has at most 100 draw calls', async (t) => {

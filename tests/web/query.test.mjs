@@ -33,7 +33,9 @@ test('a part of a clip is recognized, and the prediction compared with what happ
 
 // The answer of the server about the part of 01_01 from 1 s to 4 s, after its first second.
 async function predict(frames, frameRateHz, atSeconds) {
-  const { body: stored } = await call(setup.open, 'ClipService/GetClip', { name: 'databases/demo/clips/01_01' });
+  const { body: stored } = await call(setup.open, 'ClipService/GetClip', {
+    name: 'databases/demo/clips/01_01',
+  });
   const { status, body } = await call(setup.open, 'QueryService/Predict', {
     database: 'databases/demo',
     observation: {
@@ -52,7 +54,11 @@ async function predict(frames, frameRateHz, atSeconds) {
 
 test('ghosts are the predicted poses of the server, and the poses that followed', async (t) => {
   const part = { firstFrame: 60, frameCount: 181 };
-  const { frames, names, frameRateHz } = await motionOf(setup.open, 'databases/demo/clips/01_01', part);
+  const { frames, names, frameRateHz } = await motionOf(
+    setup.open,
+    'databases/demo/clips/01_01',
+    part,
+  );
   const horizons = await predict(frames, frameRateHz, 1);
   const page = await newPage(t, { viewport: { width: 700, height: 500 } });
   await recordDrawing(page);
@@ -68,7 +74,9 @@ test('ghosts are the predicted poses of the server, and the poses that followed'
   const predicted = horizons.map(({ markerPositions }) => floatsOf(markerPositions));
   const observed = horizons.map(({ seconds }) => followed(1 + seconds));
   await whenDrawn(page, '.scene canvas', (drawn) => {
-    const figures = drawn.filter(({ instances }) => instances === names.length).map(placesOfInstances);
+    const figures = drawn
+      .filter(({ instances }) => instances === names.length)
+      .map(placesOfInstances);
     assert.equal(figures.length, 1 + 2 * horizons.length);
     const expected = [frames[60], ...predicted, ...observed];
     for (const [i, pose] of expected.entries()) {
@@ -79,12 +87,15 @@ test('ghosts are the predicted poses of the server, and the poses that followed'
   // The text has the mean distance of the markers.
   for (const [i, { expectedErrorM }] of horizons.entries()) {
     const errors = names.map((_, m) =>
-      Math.hypot(...[0, 1, 2].map((axis) => predicted[i][3 * m + axis] - observed[i][3 * m + axis])),
+      Math.hypot(
+        ...[0, 1, 2].map((axis) => predicted[i][3 * m + axis] - observed[i][3 * m + axis]),
+      ),
     );
     const mean = errors.reduce((sum, value) => sum + value, 0) / errors.length;
     const cells = await rows.nth(i).locator('td').allTextContents();
     assert.ok(Math.abs(Number.parseFloat(cells[1]) - 100 * mean) < 0.06, `${cells[1]}, ${mean} m`);
-    if (expectedErrorM !== undefined) assert.equal(cells[0], `${(100 * expectedErrorM).toFixed(1)} cm`);
+    if (expectedErrorM !== undefined)
+      assert.equal(cells[0], `${(100 * expectedErrorM).toFixed(1)} cm`);
   }
   await page.getByRole('button', { name: 'Remove prediction' }).click();
   await whenDrawn(page, '.scene canvas', (drawn) =>
@@ -151,7 +162,9 @@ test('an error of a filter appears at the query', async (t) => {
   });
   assert.equal(status, 400);
   const page = await newPage(t, { expected: [/status of 400/] });
-  await page.goto(`${setup.open}/#/query/demo?clip=01_01&to=2&filter=label%20%3D%20%3D%20walk&without=0`);
+  await page.goto(
+    `${setup.open}/#/query/demo?clip=01_01&to=2&filter=label%20%3D%20%3D%20walk&without=0`,
+  );
   const notice = page.locator('.notice.error');
   await notice.waitFor();
   assert.ok((await notice.textContent()).includes(body.message.slice(0, 20)));

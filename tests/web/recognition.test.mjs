@@ -49,7 +49,9 @@ async function ask(method, request) {
 // Windows in order, each with the time that it stands for in the ribbon: [begin, end].
 async function recognize(request) {
   const { windows } = await ask('Recognize', { windowSeconds: 0.4, ...request });
-  const middles = windows.map(({ startSeconds = 0, endSeconds }) => (startSeconds + endSeconds) / 2);
+  const middles = windows.map(
+    ({ startSeconds = 0, endSeconds }) => (startSeconds + endSeconds) / 2,
+  );
   const last = windows.length - 1;
   return windows.map((window, i) => ({
     ...window,
@@ -78,10 +80,12 @@ async function checkRibbon(page, windows, seconds) {
   const picture = page.locator('.ribbon svg');
   const [, , width, height] = (await picture.getAttribute('viewBox')).split(' ').map(Number);
   const drawn = await page.locator('.ribbon').evaluate((ribbon) => ({
-    colors: [...ribbon.querySelectorAll('.legend-clip')].map(({ textContent, firstElementChild }) => [
-      textContent,
-      firstElementChild.style.backgroundColor,
-    ]),
+    colors: [...ribbon.querySelectorAll('.legend-clip')].map(
+      ({ textContent, firstElementChild }) => [
+        textContent,
+        firstElementChild.style.backgroundColor,
+      ],
+    ),
     areas: [...ribbon.querySelectorAll('svg > g rect')].map((rect) => ({
       place: ['x', 'width', 'y', 'height'].map((name) => Number(rect.getAttribute(name))),
       fill: getComputedStyle(rect).fill,
@@ -121,7 +125,10 @@ async function checkTexts(page, windows) {
     const mean = probabilities.reduce((sum, value) => sum + value, 0) / probabilities.length;
     return `${begin.toFixed(2)} s to ${end.toFixed(2)} s: ${label} (${percent(mean)})`;
   });
-  assert.ok(texts.some((text) => text.includes('unknown motion')), texts.join('; '));
+  assert.ok(
+    texts.some((text) => text.includes('unknown motion')),
+    texts.join('; '),
+  );
   assert.deepEqual(await page.locator('.ribbon-runs li').allTextContents(), texts);
   const present = windows.find(({ end }) => kAt < end);
   const labels = present.labels.map(({ label, probability }) => `${label} ${percent(probability)}`);
@@ -135,7 +142,12 @@ async function checkPath(page, observed) {
   const count = Math.round(0.4 * observed.frameRateHz) + 1;
   const first = Math.round(kAt * observed.frameRateHz) - count + 1;
   const { paths, layer } = await ask('Estimate', { observation: observed.part(first, count) });
-  const { nextNodes, state, unknownProbability, layer: nextLayer } = await ask('Predict', {
+  const {
+    nextNodes,
+    state,
+    unknownProbability,
+    layer: nextLayer,
+  } = await ask('Predict', {
     observation: observed.all,
     atSeconds: kAt,
     historySeconds: 0.4,
@@ -145,7 +157,9 @@ async function checkPath(page, observed) {
   await page.getByText(`Path: ${path.join(', ')}`, { exact: true }).waitFor();
   const { ids, means } = await readMap('known', layer, 10_000);
   const at = (id) => means.slice(3 * ids.indexOf(id), 3 * ids.indexOf(id) + 3);
-  const middles = path.slice(1).flatMap((id, i) => at(id).map((value, k) => (value + at(path[i])[k]) / 2));
+  const middles = path
+    .slice(1)
+    .flatMap((id, i) => at(id).map((value, k) => (value + at(path[i])[k]) / 2));
   const next = nextNodes[0].nodeId;
   const marked = [...new Set([...path, next])];
   await whenDrawn(page, '.path-map canvas', (drawn) => {
@@ -160,7 +174,10 @@ async function checkPath(page, observed) {
     // In the light theme the path is brown, the next node blue.
     for (const [i, node] of marked.entries()) {
       const [red, , blue] = instanceColors.slice(3 * i, 3 * i + 3);
-      assert.ok(node === next ? blue > 2 * red : red > 2 * blue, `colour of node ${node}: ${red}, ${blue}`);
+      assert.ok(
+        node === next ? blue > 2 * red : red > 2 * blue,
+        `colour of node ${node}: ${red}, ${blue}`,
+      );
     }
   });
   const panel = page.getByRole('region', { name: 'Estimation and prediction' });
@@ -177,12 +194,27 @@ async function checkPath(page, observed) {
   }
 }
 
-// Figs. 13 to 15: a line for each clip at three layers, in the colour of its label.
+// #26399c as in the style of an element.
+function rgbText(color) {
+  const parts = [1, 3, 5].map((at) => Number.parseInt(color.slice(at, at + 2), 16));
+  return `rgb(${parts.join(', ')})`;
+}
+
+// Figs. 13 to 15: a line for each clip at three layers, in the colour of its label in the ribbon.
 async function checkProfiles(page, observed) {
   await page.getByRole('button', { name: 'Show generation probability' }).press('Enter');
-  const { body } = await call(setup.open, 'ModelService/GetModel', { name: `${kDatabase}/models/current` });
+  const { body } = await call(setup.open, 'ModelService/GetModel', {
+    name: `${kDatabase}/models/current`,
+  });
   const depth = body.model.nodesPerLayer.length;
   const layers = [1, 0.6, 0.4].map((part) => Math.round(part * depth));
+  const legend = new Map(
+    await page
+      .locator('.ribbon .legend-clip')
+      .evaluateAll((entries) =>
+        entries.map((entry) => [entry.textContent, entry.firstElementChild.style.backgroundColor]),
+      ),
+  );
   const charts = page.locator('figure.profile');
   for (const [i, layer] of layers.entries()) {
     const windows = await recognize({ observation: observed.all, method: 'METHOD_PAPER', layer });
@@ -191,14 +223,22 @@ async function checkProfiles(page, observed) {
     clips.sort((a, b) => (a.clip < b.clip ? -1 : 1)); // which have the names of their labels
     const chart = charts.nth(i);
     await chart.locator('canvas').waitFor();
-    const valueIn = ({ clips: all }, name) => all.find(({ clip }) => clip === name).logProbability ?? 0;
-    const lines = clips.map(({ clip }) => windows.map((window) => [window.middle, valueIn(window, clip)]));
+    const valueIn = ({ clips: all }, name) =>
+      all.find(({ clip }) => clip === name).logProbability ?? 0;
+    const lines = clips.map(({ clip }) =>
+      windows.map((window) => [window.middle, valueIn(window, clip)]),
+    );
     const colors = await checkLines(chart.locator('canvas'), lines, `layer ${layer}`);
     const pairs = new Set(clips.map(({ label }, at) => `${label} ${colors[at]}`));
     assert.equal(pairs.size, 2, [...pairs].join('; '));
     assert.equal(new Set(colors).size, 2);
-    const best = windows.map((window) =>
-      window.clips.reduce((a, b) => ((b.logProbability ?? 0) > (a.logProbability ?? 0) ? b : a)).label,
+    for (const [at, { label }] of clips.entries()) {
+      assert.equal(rgbText(colors[at]), legend.get(label), `line of ${label}`);
+    }
+    const best = windows.map(
+      (window) =>
+        window.clips.reduce((a, b) => ((b.logProbability ?? 0) > (a.logProbability ?? 0) ? b : a))
+          .label,
     );
     const wins = ['boxing', 'climb'].map((label) => best.filter((each) => each === label).length);
     const [name, most] = wins[0] > wins[1] ? ['boxing', wins[0]] : ['climb', wins[1]];

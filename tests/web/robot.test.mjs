@@ -18,13 +18,33 @@ const kPelvis = [0.2, -0.1, 0.8];
 async function storeRobot() {
   const heading = [0, 0, Math.sin(kYaw / 2), Math.cos(kYaw / 2)];
   const angles = ['l_hip', 'l_knee', 'l_ankle', 'r_hip', 'r_knee', 'r_ankle'];
-  const head = ['time_s', 'root_x_m', 'root_y_m', 'root_z_m', 'root_qx', 'root_qy', 'root_qz', 'root_qw'];
+  const head = [
+    'time_s',
+    'root_x_m',
+    'root_y_m',
+    'root_z_m',
+    'root_qx',
+    'root_qy',
+    'root_qz',
+    'root_qw',
+  ];
   // A still body would be no motion: the ankles move.
-  const rows = Array.from({ length: 120 }, (_, frame) =>
-    [frame / 60, ...kPelvis, ...heading, 0, 0, 0.2 * Math.sin(frame / 9), 0, 0, 0.1],
-  );
+  const rows = Array.from({ length: 120 }, (_, frame) => [
+    frame / 60,
+    ...kPelvis,
+    ...heading,
+    0,
+    0,
+    0.2 * Math.sin(frame / 9),
+    0,
+    0,
+    0.1,
+  ]);
   const files = ['stand.csv', 'biped.urdf.gz'].map((name) => join(setup.folder, name));
-  await writeFile(files[0], [[...head, ...angles], ...rows].map((row) => row.join(',')).join('\n') + '\n');
+  await writeFile(
+    files[0],
+    [[...head, ...angles], ...rows].map((row) => row.join(',')).join('\n') + '\n',
+  );
   await writeFile(files[1], gzipSync(bipedUrdf({ arms: false })));
   await motiondb('create', 'robots', '--marker-set', 'source');
   await motiondb('ingest', 'robots', files[0], '--skeleton', files[1], '--label', 'stand');
@@ -60,7 +80,9 @@ test('the corners of a box are where the pose of its link places them', async (t
   const eye = [2, -1.7, 1.9];
   const target = [0.25, -0.05, 1.2];
   const camera = [...eye, ...target].join(',');
-  await page.goto(`${setup.open}/#/clip/robots/stand?t=0.5&show=joints&camera=${camera}&statistics=1`);
+  await page.goto(
+    `${setup.open}/#/clip/robots/stand?t=0.5&show=joints&camera=${camera}&statistics=1`,
+  );
   await shown(page);
   await page.locator('.chart canvas').waitFor();
   await page.waitForFunction(() => document.querySelector('.statistics')?.dataset.calls > 0);

@@ -19,21 +19,33 @@ async function storeClip(t) {
 
 // The controls of three views, after something that all roles see.
 const views = [
-  ['admin', (page) => page.locator('section[aria-label=Status] dd', { hasText: 'serving' }), {
-    exported: (page) => page.getByRole('button', { name: 'Download database' }),
-    backup: (page) => page.getByRole('button', { name: /backup/ }),
-    tokens: (page) => page.getByRole('heading', { name: 'Tokens' }),
-    audit: (page) => page.getByRole('heading', { name: 'Audit log' }),
-  }],
-  ['clip/roles/01_01', (page) => page.locator('.segment-body').first(), {
-    edit: (page) => page.getByRole('button', { name: 'Edit', exact: true }),
-    segment: (page) => page.getByRole('button', { name: 'Add segment from here' }),
-    undo: (page) => page.getByRole('button', { name: 'Undo last edit' }),
-  }],
-  ['clips/roles', (page) => page.getByRole('link', { name: '01_01' }), {
-    upload: (page) => page.getByRole('region', { name: 'Upload' }),
-    remove: (page) => page.getByRole('button', { name: 'Delete 01_01' }),
-  }],
+  [
+    'admin',
+    (page) => page.locator('section[aria-label=Status] dd', { hasText: 'serving' }),
+    {
+      exported: (page) => page.getByRole('button', { name: 'Download database' }),
+      backup: (page) => page.getByRole('button', { name: /backup/ }),
+      tokens: (page) => page.getByRole('heading', { name: 'Tokens' }),
+      audit: (page) => page.getByRole('heading', { name: 'Audit log' }),
+    },
+  ],
+  [
+    'clip/roles/01_01',
+    (page) => page.locator('.segment-body').first(),
+    {
+      edit: (page) => page.getByRole('button', { name: 'Edit', exact: true }),
+      segment: (page) => page.getByRole('button', { name: 'Add segment from here' }),
+      undo: (page) => page.getByRole('button', { name: 'Undo last edit' }),
+    },
+  ],
+  [
+    'clips/roles',
+    (page) => page.getByRole('link', { name: '01_01' }),
+    {
+      upload: (page) => page.getByRole('region', { name: 'Upload' }),
+      remove: (page) => page.getByRole('button', { name: 'Delete 01_01' }),
+    },
+  ],
 ];
 
 const controls = {
@@ -54,7 +66,9 @@ test('each role sees its controls, and an ingester deletes a clip', async (t) =>
       await page.goto(`${setup.secure}/#/${place}`);
       await opened(page).waitFor();
       // The properties of a clip are closed.
-      await page.locator('details').evaluateAll((all) => all.forEach((details) => (details.open = true)));
+      await page
+        .locator('details')
+        .evaluateAll((all) => all.forEach((details) => (details.open = true)));
       for (const [name, control] of Object.entries(candidates)) {
         if (await control(page).isVisible()) seen.push(name);
       }
@@ -73,8 +87,14 @@ test('a token of one database sees no sections about the server', async (t) => {
   await storeClip(t);
   await page.goto(`${setup.secure}/#/admin`);
   await logIn(page, (await createToken('ROLE_INGESTER', 'databases/roles')).secret);
-  await page.getByRole('region', { name: 'Operations', exact: true }).getByText('roles').first().waitFor();
-  const sections = await page.locator('main section').evaluateAll((all) => all.map((each) => each.ariaLabel));
+  await page
+    .getByRole('region', { name: 'Operations', exact: true })
+    .getByText('roles')
+    .first()
+    .waitFor();
+  const sections = await page
+    .locator('main section')
+    .evaluateAll((all) => all.map((each) => each.ariaLabel));
   assert.deepEqual(sections, ['Operations', 'Downloads']);
   const downloads = page.getByRole('region', { name: 'Downloads', exact: true });
   await downloads.locator('option').waitFor({ state: 'attached' });

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import { test } from 'node:test';
-import { logIn, newPage, shown } from './support/browser.mjs';
+import { logIn, newPage, settled, shown } from './support/browser.mjs';
 import { call, createToken, revokeToken } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
 
@@ -65,6 +65,18 @@ test('a revoked token ends the session', async (t) => {
   await page.reload();
   await page.locator('input[name=token]').waitFor();
   assert.deepEqual(await page.context().cookies(), []);
+});
+
+test('a page that opens with a revoked token shows why it asks for another one', async (t) => {
+  const { secret, name } = await createToken('ROLE_READER');
+  const page = await newPage(t);
+  await page.goto(`${setup.secure}/`);
+  await logIn(page, secret);
+  await page.getByText(name).first().waitFor();
+  await page.goto('about:blank');
+  await revokeToken(name);
+  await page.goto(`${setup.secure}/`);
+  await page.getByText(`Log in again: ${name} was revoked.`).waitFor();
 });
 
 test('the form of the login stays when the address changes', async (t) => {
@@ -155,8 +167,11 @@ test('the page cannot be framed by another site', async (t) => {
   });
   await new Promise((resolve) => site.listen(0, '127.0.0.1', resolve));
   t.after(() => site.close());
-  await page.goto(`http://127.0.0.1:${site.address().port}/`);
-  await page.waitForTimeout(500);
+  const [refusal] = await Promise.all([
+    page.waitForEvent('requestfailed', (request) => request.url() === `${setup.open}/`),
+    page.goto(`http://127.0.0.1:${site.address().port}/`),
+  ]);
+  assert.equal(refusal.failure().errorText, 'net::ERR_BLOCKED_BY_RESPONSE');
   assert.ok(page.frames().every((frame) => !frame.url().startsWith(setup.open)));
 });
 
@@ -171,14 +186,22 @@ test('two browsers have sessions of their own', async (t) => {
   assert.equal(await second.locator('input[name=token]').count(), 1);
 });
 
+// Stores a database with a clip, for one test. Returns the operation that builds its model.
+async function storePrivate(t) {
+  await call(setup.secure, 'DatabaseService/CreateDatabase', { databaseId: 'private' });
+  t.after(() =>
+    call(setup.secure, 'DatabaseService/DeleteDatabase', { name: 'databases/private' }),
+  );
+  const file = (await readFile(`${setup.models}/01_01.bvh`)).toString('base64');
+  const header = { parent: 'databases/private', fileName: '01_01.bvh' };
+  const { body } = await call(setup.secure, 'ClipService/UploadClip', { header, file });
+  return body.operation;
+}
+
 // A reader of a clip loses the token: the page asks for another one, then shows the same place.
 test('a token revoked while a view is open', async (t) => {
   const page = await newPage(t, { expected: refused });
-  await call(setup.secure, 'DatabaseService/CreateDatabase', { databaseId: 'private' });
-  t.after(() => call(setup.secure, 'DatabaseService/DeleteDatabase', { name: 'databases/private' }));
-  const file = (await readFile(`${setup.models}/01_01.bvh`)).toString('base64');
-  const header = { parent: 'databases/private', fileName: '01_01.bvh' };
-  await call(setup.secure, 'ClipService/UploadClip', { header, file });
+  await storePrivate(t);
   const first = await createToken('ROLE_READER');
   const second = await createToken('ROLE_READER');
   await page.goto(`${setup.secure}/#/clip/private/01_01?t=2&show=markers`);
@@ -186,11 +209,27 @@ test('a token revoked while a view is open', async (t) => {
   await page.locator('.position', { hasText: 'frame 120' }).waitFor();
   assert.equal(await page.getByRole('button', { name: 'Edit', exact: true }).count(), 0);
   await revokeToken(first.name);
-  await page.getByLabel('Side by side with clip').focus(); // reads the names of the clips
+  // Reads the names of the clips, unless the page asks for a token already.
+  await page.evaluate(() => document.querySelector('input[list=compare-clips]')?.focus());
   await page.locator('input[name=token]').waitFor();
   assert.equal(await page.locator('.scene').count(), 0);
   await logIn(page, second.secret);
   await page.getByText(second.name).first().waitFor();
   await page.locator('.position', { hasText: 'frame 120' }).waitFor();
   assert.match(page.url(), /#\/clip\/private\/01_01\?.*t=2/);
+});
+
+test('a view that makes no calls closes when the token is revoked', async (t) => {
+  const page = await newPage(t, { expected: refused });
+  const { name } = await storePrivate(t);
+  await call(setup.secure, 'OperationService/WaitOperation', { name, timeout: '60s' });
+  const reader = await createToken('ROLE_READER');
+  await page.goto(`${setup.secure}/#/database/private`);
+  await logIn(page, reader.secret);
+  await page.getByText('Variance along').first().waitFor();
+  await settled(page);
+  await revokeToken(reader.name);
+  await page.locator('input[name=token]').waitFor();
+  await page.getByText(`Log in again: ${reader.name} was revoked.`).waitFor();
+  assert.equal(await page.getByText('Variance along').count(), 0);
 });

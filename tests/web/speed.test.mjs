@@ -28,7 +28,9 @@ test('the first view appears', async (t) => {
   }
   // The first one fills the caches of server and browser.
   t.diagnostic(`first views after ${times.map((time) => time.toFixed(0)).join(', ')} ms`);
-  checkBar(t, 'first view on loopback, median', percentile(times.slice(1), 0.5), 'ms', { most: 1000 });
+  checkBar(t, 'first view on loopback, median', percentile(times.slice(1), 0.5), 'ms', {
+    most: 1000,
+  });
 });
 
 // A file of 20,000 frames at 120 Hz: a recorded motion forwards and backwards.
@@ -48,7 +50,9 @@ async function storeLongClip() {
 
 test('a clip of 10,000 frames plays smoothly', async (t) => {
   await storeLongClip();
-  const { body } = await call(setup.open, 'ClipService/GetClip', { name: 'databases/long/clips/long' });
+  const { body } = await call(setup.open, 'ClipService/GetClip', {
+    name: 'databases/long/clips/long',
+  });
   assert.ok(Math.abs(body.clip.frameCount - 10_000) < 10, `${body.clip.frameCount} frames`);
   const page = await newPage(t, screen);
   await markPictures(page);
@@ -56,7 +60,8 @@ test('a clip of 10,000 frames plays smoothly', async (t) => {
   await page.locator('.chart canvas').waitFor();
   await page.getByRole('button', { name: 'Play' }).click();
   await page.waitForTimeout(1500);
-  const statistics = () => page.evaluate(() => ({ ...document.querySelector('.statistics').dataset }));
+  const statistics = () =>
+    page.evaluate(() => ({ ...document.querySelector('.statistics').dataset }));
   const before = Number((await statistics()).pictures);
   // The trace costs time itself, so these figures are of another interval.
   await page.waitForTimeout(4000);

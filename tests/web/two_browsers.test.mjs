@@ -4,6 +4,7 @@ import { test } from 'node:test';
 import { newPage, shown } from './support/browser.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
+import { failedStream } from './support/stream.mjs';
 
 const clip = 'databases/demo/clips/01_03';
 const conflict = { expected: [/status of 409/], viewport: { width: 700, height: 400 } };
@@ -90,4 +91,18 @@ test('the list of clips shows a change of another client', async (t) => {
   });
   await page.locator('td', { hasText: 'Title from elsewhere' }).waitFor();
   assert.ok(await link.evaluate((node) => node === document.activeElement));
+});
+
+test('a view that cannot follow changes shows why, until it can', async (t) => {
+  const page = await newPage(t);
+  const watches = '**/motiondb.v1.DatabaseService/WatchDatabase';
+  await page.route(watches, (route) =>
+    route.fulfill(failedStream('resource_exhausted', 'too many streams')),
+  );
+  for (const place of ['clips/demo', 'clip/demo/01_03']) {
+    await page.goto(`${setup.open}/#/${place}`);
+    await page.getByText('Changes of others are not shown: too many streams').waitFor();
+  }
+  await page.unroute(watches);
+  await page.getByText('Changes of others').waitFor({ state: 'detached' });
 });

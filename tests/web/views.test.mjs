@@ -8,14 +8,20 @@ const views = [
   ['clips/demo', ['main tbody tr', '.facet']],
   ['clip/demo/01_01', ['.segment-body', '.chart canvas']],
   ['database/demo?layer=4', ['table.properties tr', '.axis-ends svg']],
-  ['query/demo?clip=01_01&to=2&at=1&layers=3&without=0', ['.ribbon rect:visible', 'figure.profile']],
+  [
+    'query/demo?clip=01_01&to=2&at=1&layers=3&without=0',
+    ['.ribbon rect:visible', 'figure.profile'],
+  ],
   ['plan/demo?goal=2,1,0', ['section[aria-label="Planned motions"] tbody tr', '.floor .place']],
   ['live/demo', ['.hint:has-text("No stream runs")']],
   ['admin', ['.chart canvas', 'section[aria-label="Operations"] tbody tr']],
 ];
 
 // The tests of each view check the light theme with WebGL.
-for (const [colorScheme, webgl] of [['dark', true], ['light', false]]) {
+for (const [colorScheme, webgl] of [
+  ['dark', true],
+  ['light', false],
+]) {
   const name = `${webgl ? 'with' : 'without'} WebGL in the ${colorScheme} theme`;
   test(`every view has its content ${name}, and axe reports nothing`, async (t) => {
     const page = await newPage(t, { colorScheme });

@@ -40,7 +40,8 @@ after(async () => {
  * {colorScheme: 'dark', viewport: {width: 800, height: 600}}; the scale is kScale unless given.
  */
 export async function newPage(t, { expected = [], context, server, ...options } = {}) {
-  const owner = context ?? (await (await launch()).newContext({ deviceScaleFactor: kScale, ...options }));
+  const owner =
+    context ?? (await (await launch()).newContext({ deviceScaleFactor: kScale, ...options }));
   const page = await owner.newPage();
   // A busy machine is no error: the whole run has a limit (web_page_test.py).
   page.setDefaultTimeout(kPatience);

@@ -44,7 +44,8 @@ export function recordDrawing(page) {
     );
     window.drawingOf = (canvas) => {
       const part = (drawn, name, first, count, size) => [
-        ...(contents.get(drawn.buffers[name])?.subarray(first * size, (first + count) * size) ?? []),
+        ...(contents.get(drawn.buffers[name])?.subarray(first * size, (first + count) * size) ??
+          []),
       ];
       const kinds = { 0: 'points', 1: 'lines', 4: 'triangles' };
       return (pictures.get(canvas) ?? []).map((drawn) => ({
@@ -70,7 +71,10 @@ export async function drawnOn(page, selector) {
 
 // Positions of the instances of a draw call, as one list of x, y, z.
 export const placesOfInstances = ({ matrices }) =>
-  Array.from({ length: 3 * (matrices.length / 16) }, (_, i) => matrices[16 * Math.floor(i / 3) + 12 + (i % 3)]);
+  Array.from(
+    { length: 3 * (matrices.length / 16) },
+    (_, i) => matrices[16 * Math.floor(i / 3) + 12 + (i % 3)],
+  );
 
 // Largest difference of two lists of numbers; Infinity if their lengths differ.
 export function distance(a, b) {

@@ -6,7 +6,11 @@ import { bvhOf, readBvh } from './bvh.mjs';
 import { motiondb } from './server.mjs';
 import { setup } from './setup.mjs';
 
-const kRecordings = [['01_01', 'jump'], ['01_03', 'climb'], ['Boxing_Toes', 'boxing']];
+const kRecordings = [
+  ['01_01', 'jump'],
+  ['01_03', 'climb'],
+  ['Boxing_Toes', 'boxing'],
+];
 const kSubjects = ['a', 'b', 'c', 'd'];
 
 let stored;
@@ -26,7 +30,10 @@ async function store() {
       const first = Math.floor(((i + 0.2) * rows.length) / 4.3);
       const part = rows.slice(first, first + 2 * Math.round(rateHz));
       await mkdir(join(folder, subject, label), { recursive: true });
-      await writeFile(join(folder, subject, label, `${label}_${subject}.bvh`), bvhOf(recording, part));
+      await writeFile(
+        join(folder, subject, label, `${label}_${subject}.bvh`),
+        bvhOf(recording, part),
+      );
     }
   }
   await motiondb('create', 'known');

@@ -40,17 +40,35 @@ export function largeMap(count) {
   };
   const nodes = Buffer.concat([
     integers(1, ids),
-    integers(2, ids.map((id) => id >> 1)),
-    integers(3, ids.map((id) => 16 + (id % 50))),
-    integers(4, ids.map(() => 0)),
-    floats(5, ids.map(() => 1)),
+    integers(
+      2,
+      ids.map((id) => id >> 1),
+    ),
+    integers(
+      3,
+      ids.map((id) => 16 + (id % 50)),
+    ),
+    integers(
+      4,
+      ids.map(() => 0),
+    ),
+    floats(
+      5,
+      ids.map(() => 1),
+    ),
     floats(6, ids.flatMap(place)),
-    floats(7, ids.flatMap((id) => [0.1 + (id % 9) / 90, 0, 0, 0, 0.05, 0, 0, 0, 0.02])),
+    floats(
+      7,
+      ids.flatMap((id) => [0.1 + (id % 9) / 90, 0, 0, 0, 0.05, 0, 0, 0, 0.02]),
+    ),
   ]);
   const transitions = Buffer.concat([
     integers(1, ids.slice(0, -1)),
     integers(2, ids.slice(1)),
-    floats(3, ids.slice(1).map((id) => (1 + (id % 100)) / 101)),
+    floats(
+      3,
+      ids.slice(1).map((id) => (1 + (id % 100)) / 101),
+    ),
   ]);
   return Buffer.concat([
     envelope(0, bytes(1, header)),

@@ -34,7 +34,9 @@ export async function workOfPictures(page, run) {
   const pictures = [];
   let next = 0;
   let drawn = false;
-  for (const { ts, dur, tdur = dur } of own.filter(({ name, ph }) => name === 'RunTask' && ph === 'X')) {
+  for (const { ts, dur, tdur = dur } of own.filter(
+    ({ name, ph }) => name === 'RunTask' && ph === 'X',
+  )) {
     const inside = [];
     while (next < ticks.length && ticks[next].ts <= ts + dur) inside.push(ticks[next++]);
     if (inside.length > 0) {

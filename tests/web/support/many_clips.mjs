@@ -7,7 +7,11 @@ import { setup } from './setup.mjs';
 import { stream } from './stream.mjs';
 
 export const kManyClips = 200;
-const kRecordings = [['01_01', 'jump'], ['01_03', 'climb'], ['Boxing_Toes', 'boxing']];
+const kRecordings = [
+  ['01_01', 'jump'],
+  ['01_03', 'climb'],
+  ['Boxing_Toes', 'boxing'],
+];
 const kShortest = 1; // s
 const kLongest = 22;
 
@@ -40,9 +44,14 @@ async function store() {
   }
   await motiondb('create', 'many', '--frame-rate', '120');
   await motiondb('ingest', 'many', folder, '--label-from', '{label}/*', '--no-wait', '--quiet');
-  const { body } = await call(setup.open, 'ClipService/ListClips', { parent: 'databases/many', pageSize: 1000 });
+  const { body } = await call(setup.open, 'ClipService/ListClips', {
+    parent: 'databases/many',
+    pageSize: 1000,
+  });
   // Neighbours have different bodies.
-  const sizes = await Promise.all(body.clips.slice(0, kRecordings.length).map(({ name }) => bytesOfFrame(name)));
+  const sizes = await Promise.all(
+    body.clips.slice(0, kRecordings.length).map(({ name }) => bytesOfFrame(name)),
+  );
   return body.clips.map(({ name, frameCount }, i) => ({
     name: name.split('/').at(-1),
     mebibytes: (frameCount * sizes[i % sizes.length]) / 2 ** 20,
@@ -51,7 +60,11 @@ async function store() {
 
 // Bytes of a frame in a page: positions of markers and joints, and contacts.
 async function bytesOfFrame(name) {
-  const [{ figure }] = await stream(setup.open, 'ViewService/ReadClipMotion', { name, frameCount: 1, joints: true });
+  const [{ figure }] = await stream(setup.open, 'ViewService/ReadClipMotion', {
+    name,
+    frameCount: 1,
+    joints: true,
+  });
   return 12 * (figure.markerNames.length + figure.jointNames.length) + 1;
 }
 
@@ -67,5 +80,6 @@ export async function modelOperation() {
 // Memory and lists need no model.
 export async function cancelModel() {
   const operation = await modelOperation();
-  if (operation) await call(setup.open, 'OperationService/CancelOperation', { name: operation.name });
+  if (operation)
+    await call(setup.open, 'OperationService/CancelOperation', { name: operation.name });
 }

@@ -15,7 +15,9 @@ export class OwnServer {
   async start() {
     const options = ['--store', this.store, '--listen', '127.0.0.1:0', '--log-level', 'error'];
     const web = ['--web-listen', new URL(this.url).host];
-    this.process = spawn(setup.motiondbd, [...options, ...web], { stdio: ['ignore', 'pipe', 'inherit'] });
+    this.process = spawn(setup.motiondbd, [...options, ...web], {
+      stdio: ['ignore', 'pipe', 'inherit'],
+    });
     for await (const line of createInterface({ input: this.process.stdout })) {
       const address = line.trim().split(' ').at(-1);
       if (line.startsWith('motiondbd: HTTP API at ')) this.url = address;

@@ -51,7 +51,8 @@ export function placesOf({ means, points }, eye, width, height, degrees = 40) {
 export function clearNodes(places, count) {
   const alone = places.map((place) =>
     places.reduce(
-      (least, other) => (other === place ? least : Math.min(least, Math.hypot(place.x - other.x, place.y - other.y))),
+      (least, other) =>
+        other === place ? least : Math.min(least, Math.hypot(place.x - other.x, place.y - other.y)),
       Infinity,
     ),
   );

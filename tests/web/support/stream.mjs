@@ -36,6 +36,16 @@ export async function stream(server, method, request) {
   return messages;
 }
 
+// The answer of a route in place of such an RPC: the stream ends with an error.
+export function failedStream(code, text) {
+  const message = Buffer.from(JSON.stringify({ error: { code, message: text } }));
+  const head = Buffer.alloc(5);
+  head[0] = 2;
+  head.writeUInt32BE(message.length, 1);
+  const contentType = 'application/connect+proto';
+  return { status: 200, contentType, body: Buffer.concat([head, message]) };
+}
+
 // Numbers of a field of float32 in a message.
 export function floatsOf(base64) {
   const bytes = Buffer.from(base64 ?? '', 'base64');
@@ -51,7 +61,9 @@ export async function motionOf(server, clip, part = {}) {
   const [{ figure, frameRateHz }] = messages;
   const size = 3 * figure.markerNames.length;
   const values = messages.flatMap((message) => floatsOf(message.markerPositions));
-  const frames = Array.from({ length: values.length / size }, (_, i) => values.slice(size * i, size * (i + 1)));
+  const frames = Array.from({ length: values.length / size }, (_, i) =>
+    values.slice(size * i, size * (i + 1)),
+  );
   return { names: figure.markerNames, bones: figure.markerBones, frameRateHz, frames };
 }
 

@@ -1,6 +1,7 @@
 import { Code, ConnectError } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Connection } from './connection';
+import { serverError } from './test_server';
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -31,6 +32,13 @@ test('a revoked token asks for a login', () => {
   const connection = new Connection(() => Promise.resolve());
   connection.failed(new ConnectError('revoked', Code.Unauthenticated));
   expect(connection.state).toBe('login');
+  expect(connection.loginReason).toBe('revoked');
+});
+
+test('a browser without a token gets no advice for other programs', () => {
+  const connection = new Connection(() => Promise.resolve());
+  connection.failed(serverError(Code.Unauthenticated, 'TOKEN_MISSING'));
+  expect([connection.state, connection.loginReason]).toEqual(['login', '']);
 });
 
 test('what failed is tried again when the connection is restored', async () => {
@@ -58,5 +66,44 @@ test('what failed is tried again when the connection is restored', async () => {
 test('an error of a call is not a lost connection', () => {
   const connection = new Connection(() => Promise.resolve());
   connection.failed(new ConnectError('no clip', Code.NotFound));
+  expect(connection.state).toBe('connected');
+});
+
+test('one probe runs at a time, and its late answer does not end the login', async () => {
+  const answers: (() => void)[] = [];
+  const probe = vi.fn(() => new Promise<void>((resolve) => answers.push(resolve)));
+  const connection = new Connection(probe, 1000);
+  connection.lose();
+  await vi.advanceTimersByTimeAsync(1000);
+  connection.succeeded();
+  connection.lose();
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(probe).toHaveBeenCalledTimes(1);
+  connection.failed(new ConnectError('revoked', Code.Unauthenticated));
+  answers[0]?.();
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(connection.state).toBe('login');
+  expect(probe).toHaveBeenCalledTimes(1);
+});
+
+test('a call that fails again after each restored connection is repeated less and less', async () => {
+  const probe = vi.fn(() => Promise.resolve());
+  const connection = new Connection(probe, 1000);
+  const gone = new ConnectError('gone', Code.Unavailable);
+  const closing = new AbortController();
+  const times: number[] = [];
+  const began = performance.now();
+  const call = () => {
+    times.push((performance.now() - began) / 1000);
+    connection.whenRestored(gone, closing.signal, call);
+  };
+  call();
+  await vi.advanceTimersByTimeAsync(100_000);
+  expect(times).toEqual([0, 1, 2, 4, 8, 16, 32, 62, 92]);
+  // A connection that is lost later is probed after a second again.
+  closing.abort();
+  await vi.advanceTimersByTimeAsync(60_000);
+  connection.lose();
+  await vi.advanceTimersByTimeAsync(1000);
   expect(connection.state).toBe('connected');
 });

@@ -1,16 +1,26 @@
 import { Code } from '@connectrpc/connect';
 import type { CallObserver } from './api';
-import { hasCode, isConnectionLost } from './errors';
+import { describeError, hasCode, isConnectionLost } from './errors';
+
+// If a connection is lost again within this time, the server answers probes but not calls.
+const kSettleMilliseconds = 10_000;
+const kMaxPauseMilliseconds = 30_000;
 
 export type ConnectionState = 'connected' | 'lost' | 'login';
 
 // The state of the connection, from the outcomes of calls. When it is lost, it asks `probe` until
-// an answer arrives; `probe` rejects while no server answers.
+// an answer arrives; `probe` rejects while no server answers. The pause before the first probe grows
+// while calls fail again and again after answers, so that their repetition does not load the server.
 export class Connection implements CallObserver {
   private current: ConnectionState = 'connected';
   private readonly listeners = new Set<
     (state: ConnectionState, previous: ConnectionState) => void
   >();
+  private reason = '';
+  private restoredTime = -Infinity;
+  // How often in a row the connection was lost soon after it was restored.
+  private relapses = 0;
+  // Until the probe that it starts is answered.
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -20,6 +30,11 @@ export class Connection implements CallObserver {
 
   get state(): ConnectionState {
     return this.current;
+  }
+
+  // Why the state became `login`, for the user; empty if the browser has no token.
+  get loginReason(): string {
+    return this.reason;
   }
 
   // Calls the listener at each change. Returns the function that removes it.
@@ -34,14 +49,19 @@ export class Connection implements CallObserver {
 
   failed(error: unknown): void {
     if (isConnectionLost(error)) this.lose();
-    else if (hasCode(error, Code.Unauthenticated)) this.change('login');
+    else if (hasCode(error, Code.Unauthenticated)) {
+      const described = describeError(error);
+      this.reason = described?.reason === 'TOKEN_MISSING' ? '' : (described?.message ?? '');
+      this.change('login');
+    }
   }
 
   // Reports a lost connection, for example of a stream.
   lose(): void {
     if (this.current === 'login') return;
     this.change('lost');
-    this.retry();
+    const pause = this.retryMilliseconds * 2 ** Math.max(0, this.relapses - 1);
+    this.retry(Math.min(pause, kMaxPauseMilliseconds));
   }
 
   // After an error of a lost connection: runs the action once when the connection is restored, unless
@@ -62,26 +82,32 @@ export class Connection implements CallObserver {
     this.listeners.clear();
   }
 
-  private retry(): void {
-    if (this.timer !== undefined) return;
-    this.timer = setTimeout(() => {
-      this.timer = undefined;
-      if (this.current !== 'lost') return;
-      this.probe().then(
-        () => {
-          this.change('connected');
-        },
-        () => {
-          this.retry();
-        },
-      );
-    }, this.retryMilliseconds);
+  private retry(milliseconds: number): void {
+    this.timer ??= setTimeout(() => void this.askAgain(), milliseconds);
+  }
+
+  private async askAgain(): Promise<void> {
+    const isAnswered =
+      this.current === 'lost' &&
+      (await this.probe().then(
+        () => true,
+        () => false,
+      ));
+    this.timer = undefined;
+    if (this.current !== 'lost') return;
+    if (isAnswered) this.change('connected');
+    else this.retry(this.retryMilliseconds);
   }
 
   private change(state: ConnectionState): void {
     if (state === this.current) return;
     const previous = this.current;
     this.current = state;
+    if (previous === 'lost') this.restoredTime = performance.now();
+    if (state === 'lost') {
+      const isRelapse = performance.now() - this.restoredTime < kSettleMilliseconds;
+      this.relapses = isRelapse ? this.relapses + 1 : 0;
+    }
     for (const listener of [...this.listeners]) listener(state, previous);
   }
 }

@@ -17,52 +17,55 @@ export interface DescribedError {
 // Describes an error; undefined for a call that the page itself aborted.
 export function describeError(error: unknown): DescribedError | undefined {
   const failure = ConnectError.from(error);
+  const isLost = isConnectionLost(error);
   if (
-    failure.code === Code.Canceled ||
-    (error instanceof DOMException && error.name === 'AbortError')
+    !isLost &&
+    (failure.code === Code.Canceled ||
+      (error instanceof DOMException && error.name === 'AbortError'))
   )
     return undefined;
   const described: DescribedError = {
     message: failure.rawMessage,
     code: failure.code,
-    reason: '',
-    metadata: {},
-    field: '',
-    requestId: '',
+    ...detailsOf(failure),
   };
+  if (failure.code === Code.Unimplemented)
+    described.message =
+      'The server does not have this function, because it is older than this page. ' +
+      `Update motiondbd, then load the page again. (${failure.rawMessage})`;
+  if (isLost) described.message = `The server does not answer: ${failure.rawMessage}`;
+  return described;
+}
+
+function detailsOf(failure: ConnectError): Omit<DescribedError, 'message' | 'code'> {
+  const details = { reason: '', metadata: {}, field: '', requestId: '' };
   for (const detail of failure.details) {
     if (!('type' in detail)) continue;
     const type = detail.type.slice(detail.type.lastIndexOf('.') + 1);
     if (type === 'ErrorInfo') {
       const info = fromBinary(ErrorInfoSchema, detail.value);
-      described.reason = info.reason;
-      described.metadata = info.metadata;
+      details.reason = info.reason;
+      details.metadata = info.metadata;
     } else if (type === 'RequestInfo') {
-      described.requestId = fromBinary(RequestInfoSchema, detail.value).requestId;
+      details.requestId = fromBinary(RequestInfoSchema, detail.value).requestId;
     } else if (type === 'BadRequest') {
-      described.field = fromBinary(BadRequestSchema, detail.value).fieldViolations[0]?.field ?? '';
+      details.field = fromBinary(BadRequestSchema, detail.value).fieldViolations[0]?.field ?? '';
     }
   }
-  if (failure.code === Code.Unimplemented)
-    described.message =
-      'The server does not have this function, because it is older than this page. ' +
-      `Update motiondbd, then load the page again. (${failure.rawMessage})`;
-  if (isConnectionLost(error))
-    described.message = `The server does not answer: ${failure.rawMessage}`;
-  return described;
+  return details;
 }
 
 export function hasCode(error: unknown, ...codes: Code[]): boolean {
   return error instanceof ConnectError && codes.includes(error.code);
 }
 
-// True if no server answered. fetch reports that as a TypeError, which Connect wraps.
+// True if no server answered, or if it stops. fetch reports that as a TypeError, which Connect wraps,
+// or as the end of its time limit. Each error of a service of the server has a reason.
 export function isConnectionLost(error: unknown): boolean {
   if (error instanceof TypeError) return true;
-  return (
-    error instanceof ConnectError &&
-    (error.code === Code.Unavailable ||
-      (error.code === Code.Unknown && error.cause instanceof TypeError) ||
-      (error.code === Code.Internal && error.cause instanceof TypeError))
-  );
+  if (error instanceof DOMException && error.name === 'TimeoutError') return true;
+  if (!(error instanceof ConnectError)) return false;
+  if (error.code === Code.Unavailable)
+    return ['', 'SERVER_STOPPING'].includes(detailsOf(error).reason);
+  return hasCode(error, Code.Unknown, Code.Internal) && error.cause instanceof TypeError;
 }

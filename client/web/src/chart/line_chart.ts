@@ -2,6 +2,8 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { element } from '../dom/element';
 import type { ThemeSwitch } from '../shell/theme';
+import { rangeAfterKey } from './chart_keys';
+import { zoomByTouch } from './chart_pinch';
 
 export interface ChartLine {
   name: string;
@@ -26,7 +28,7 @@ export interface ChartOptions {
 
 const kHeight = 180;
 
-// Lines over a common x, with a vertical line at a moment.
+// Lines over a common x, with a vertical line at a moment. The keys +, - and 0 zoom.
 export class LineChart {
   readonly node: HTMLElement;
   private chart: uPlot | undefined;
@@ -40,7 +42,15 @@ export class LineChart {
 
   constructor(private readonly options: ChartOptions) {
     this.unit = options.unit;
-    this.node = element('div', { class: 'chart', role: 'img', 'aria-label': options.label });
+    this.node = element('div', {
+      class: 'chart',
+      role: 'img',
+      'aria-label': options.label,
+      tabindex: 0,
+    });
+    this.node.addEventListener('keydown', (event) => {
+      this.press(event);
+    });
     this.observer = new ResizeObserver(() => {
       const width = this.node.clientWidth;
       if (width > 0) this.chart?.setSize({ width, height: this.height });
@@ -129,10 +139,22 @@ export class LineChart {
       this.node,
     );
     this.chart.over.append(this.mark);
+    zoomByTouch(this.chart);
     const { over } = this.chart;
     over.addEventListener('click', (event) => {
       if (this.chart) this.options.pick?.(this.chart.posToVal(event.offsetX, 'x'));
     });
+  }
+
+  private press(event: KeyboardEvent): void {
+    const { min, max } = this.chart?.scales['x'] ?? {};
+    if (min === undefined || max === undefined) return;
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const all = { min: this.x[0] ?? min, max: this.x[this.x.length - 1] ?? max };
+    const range = rangeAfterKey(event.key, { min, max }, this.marked, all);
+    if (!range) return;
+    event.preventDefault();
+    this.chart?.setScale('x', range);
   }
 
   private placeMark(): void {

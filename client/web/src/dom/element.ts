@@ -81,3 +81,10 @@ function append(node: Element, children: readonly Child[]): void {
     node.append(child);
   }
 }
+
+// Replaces the names that a list of choices offers. One after the other: there can be more names than
+// a call takes arguments.
+export function offerNames(list: HTMLDataListElement, names: readonly string[]): void {
+  list.replaceChildren();
+  for (const name of names) list.append(element('option', { value: name }));
+}

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { ThemeName } from '../shell/theme';
-import { clipColor, labelStyles, readableOn, rgbOf } from './palette';
+import { clipColor, LabelPalette, labelStyles, readableOn, rgbOf } from './palette';
 
 const backgrounds: Record<ThemeName, string> = { light: '#e9edf2', dark: '#1d2127' };
 
@@ -64,10 +64,22 @@ describe.each(['light', 'dark'] as const)('palette of the %s theme', (theme) => 
 });
 
 describe('labelStyles', () => {
-  it('gives each of 24 labels its own combination of colour and dash', () => {
+  it.each(['light', 'dark'] as const)('gives each of 24 labels its own %s colour', (theme) => {
     const labels = Array.from({ length: 24 }, (_, i) => `label${i}`);
-    const styles = [...labelStyles(labels, 'light').values()];
-    expect(new Set(styles.map((style) => style.color + style.dash.join())).size).toBe(24);
+    const styles = [...labelStyles(labels, theme).values()];
+    expect(new Set(styles.map(({ color }) => color)).size).toBe(24);
+    expect(new Set(styles.map(({ dash }) => dash.join())).size).toBe(3);
+    for (const { color } of styles)
+      expect(contrast(color, backgrounds[theme]), color).toBeGreaterThan(3);
+  });
+
+  it('keeps the styles of labels when others are added', () => {
+    const palette = new LabelPalette(['jump', 'walk']);
+    const before = palette.styles('light');
+    palette.add(['climb', 'walk']);
+    const after = palette.styles('light');
+    expect([...after.keys()]).toEqual(['jump', 'walk', 'climb']);
+    for (const [label, style] of before) expect(after.get(label)).toEqual(style);
   });
 
   it('does not depend on the order of the labels', () => {

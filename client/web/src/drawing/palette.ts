@@ -2,7 +2,8 @@ import type { ThemeName } from '../shell/theme';
 
 // Colours that remain different for colour-blind readers, at least 3:1 against the background.
 
-// How lines and areas of one label look. Labels beyond the colours repeat them with kDashes.
+// How lines and areas of one label look. Labels beyond the colours repeat them in other shades, with
+// kDashes.
 export interface LabelStyle {
   color: string;
   // Lengths of kDashes and gaps, px; empty: a full line.
@@ -15,6 +16,8 @@ const kCategorical: Record<ThemeName, readonly string[]> = {
 };
 
 const kDashes: readonly number[][] = [[], [6, 3], [2, 2]];
+// Difference of two shades of a colour.
+const kShade = 0.35;
 
 // From the first to the last clip: Cividis, which is monotonic in lightness.
 const kSequential: Record<ThemeName, readonly [number, number, number][]> = {
@@ -34,19 +37,40 @@ const kSequential: Record<ThemeName, readonly [number, number, number][]> = {
   ],
 };
 
-// The style of each label, by its place in the sorted list of labels.
+// Labels with their styles, the same in all drawings that share the palette. A label keeps its style
+// when others are added.
+export class LabelPalette {
+  private readonly labels = new Set<string>();
+
+  constructor(labels: Iterable<string> = []) {
+    this.add(labels);
+  }
+
+  add(labels: Iterable<string>): void {
+    for (const label of [...labels].sort()) this.labels.add(label);
+  }
+
+  styles(theme: ThemeName): Map<string, LabelStyle> {
+    const colors = kCategorical[theme];
+    return new Map(
+      [...this.labels].map((label, i) => {
+        const round = Math.floor(i / colors.length) % kDashes.length;
+        const color = shade(colors[i % colors.length]!, kShade * round, theme);
+        return [label, { color, dash: kDashes[round]! }];
+      }),
+    );
+  }
+}
+
+// The styles of the labels of one drawing.
 export function labelStyles(labels: Iterable<string>, theme: ThemeName): Map<string, LabelStyle> {
-  const colors = kCategorical[theme];
-  const names = [...new Set(labels)].sort();
-  return new Map(
-    names.map((name, i) => [
-      name,
-      {
-        color: colors[i % colors.length]!,
-        dash: kDashes[Math.floor(i / colors.length) % kDashes.length]!,
-      },
-    ]),
-  );
+  return new LabelPalette(labels).styles(theme);
+}
+
+// A colour, mixed with `part` of black, or white in the dark theme: it stands out more.
+function shade(color: string, part: number, theme: ThemeName): string {
+  const end = theme === 'dark' ? 255 : 0;
+  return hexColor(rgbOf(color).map((value) => 255 * value + part * (end - 255 * value)));
 }
 
 // The colour of the clip at `place` of `count`, `#rrggbb`.

@@ -32,6 +32,14 @@ export function curvesOf(
   }));
 }
 
+// The values of curves in a frame, as in `x 0.123, y 0.456, z 1.234 m`.
+export function valueText(curves: readonly Curve[], frame: number, unit: string): string {
+  const at = curves.map(({ values }) => values[frame] ?? NaN);
+  if (at.some((value) => Number.isNaN(value))) return 'missing';
+  const texts = curves.map(({ name }, index) => `${name} ${(at[index] ?? NaN).toFixed(3)}`);
+  return `${texts.join(', ')} ${unit}`;
+}
+
 // Times of the frames, s.
 export function frameTimes(frameCount: number, frameRateHz: number): Float64Array {
   return Float64Array.from({ length: frameCount }, (_, frame) => frame / frameRateHz);

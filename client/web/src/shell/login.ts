@@ -2,8 +2,9 @@ import { logIn } from '../api/session';
 import { element, labelled } from '../dom/element';
 import { Notice } from '../dom/notice';
 
-// Shows the login form; calls `done` after a successful login.
-export function openLogin(host: HTMLElement, done: () => void): void {
+// Shows the login form; calls `done` after a successful login. `reason`: why the session has ended;
+// may be empty.
+export function openLogin(host: HTMLElement, reason: string, done: () => void): void {
   const token = element('input', {
     type: 'password',
     name: 'token',
@@ -49,5 +50,6 @@ export function openLogin(host: HTMLElement, done: () => void): void {
       });
   });
   host.replaceChildren(form);
+  if (reason !== '') notice.error(new Error(`Log in again: ${reason}.`));
   token.focus();
 }

@@ -1,22 +1,24 @@
 import { createApi, type Api } from '../api/api';
 import { Connection } from '../api/connection';
 import { isConnectionLost } from '../api/errors';
-import { isDatabaseId, lastPart } from '../api/resource_names';
+import { readDatabaseIds } from '../api/lists';
+import { isDatabaseId } from '../api/resource_names';
 import { logOut, mayActAs, readSession, type Session } from '../api/session';
 import { button, element } from '../dom/element';
+import { focusHeading } from '../dom/focus';
 import { Notice } from '../dom/notice';
 import { MotionCache } from '../motion/motion_cache';
 import { Header } from './header';
 import { openLogin } from './login';
 import { hrefOf, parsePlace, type ParsedPlace } from './place';
 import { kRoutes, type Route } from './routes';
+import { checkSession } from './session_check';
 import { ThemeSwitch } from './theme';
 import type { View, ViewContext } from './view';
 
 // Safari permits 100 changes in 30 s.
 const kAddressMilliseconds = 350;
 const kMotionCacheBytes = 96 * 1024 * 1024;
-const kWatchMilliseconds = 3000;
 
 // The frame around the views: navigation, login, theme, and the state of the connection.
 export class Shell {
@@ -38,6 +40,7 @@ export class Shell {
     role: null,
     database: '',
     principal: '',
+    reason: '',
   };
   private databases: string[] = [];
   private place: ParsedPlace = parsePlace(location.hash);
@@ -48,6 +51,8 @@ export class Shell {
   private writingAddress: ReturnType<typeof setTimeout> | undefined;
   private opening = 0;
   private scriptsFailed = false;
+  // A view or the login has been shown since the page was loaded.
+  private entered = false;
 
   constructor(root: HTMLElement) {
     const skip = button(
@@ -59,10 +64,10 @@ export class Shell {
     );
     root.append(skip, this.header.node, this.banner.node, this.host, this.speech);
     this.connection.onChange((state, previous) => {
-      if (state === 'lost') this.banner.message('Connection lost. Trying again every second.');
+      if (state === 'lost') this.banner.message('Connection lost. Trying again.');
       else this.banner.clear();
       if (state === 'connected' && previous === 'lost') this.announce('Connection restored.');
-      if (state === 'login') this.showLogin();
+      if (state === 'login') this.showLogin(this.connection.loginReason);
       else if (state === 'connected' && previous === 'lost') {
         // Views read again what failed. Scripts of a view that could not be loaded need a new page:
         // browsers remember that they failed.
@@ -71,13 +76,7 @@ export class Shell {
         else void this.start();
       }
     });
-    // A view that makes no calls would not notice that the server is gone.
-    setInterval(() => {
-      if (this.connection.state !== 'connected' || document.hidden) return;
-      readSession().catch((error: unknown) => {
-        this.connection.failed(error);
-      });
-    }, kWatchMilliseconds);
+    checkSession(this.connection, () => this.session);
     // A link or a new load of the page leaves an address that is complete.
     addEventListener('click', this.flushAddress, { capture: true });
     addEventListener('pagehide', this.flushAddress);
@@ -99,7 +98,7 @@ export class Shell {
     }
     this.banner.clear();
     if (this.session.role === null) {
-      this.showLogin();
+      this.showLogin(this.session.reason);
       return;
     }
     await this.readDatabases();
@@ -108,8 +107,7 @@ export class Shell {
 
   private async readDatabases(): Promise<void> {
     try {
-      const response = await this.api.databases.listDatabases({ pageSize: 1000 });
-      this.databases = response.databases.map((database) => lastPart(database.name));
+      this.databases = await readDatabaseIds(this.api);
     } catch (error) {
       this.databases = this.session.database === '' ? [] : [this.session.database];
       // The banner shows a lost connection already.
@@ -123,11 +121,12 @@ export class Shell {
     });
   }
 
-  private showLogin(): void {
+  private showLogin(reason: string): void {
     this.flushAddress();
     this.closeView();
     this.drawHeader();
-    openLogin(this.host, () => void this.start());
+    openLogin(this.host, reason, () => void this.start());
+    this.entered = true;
   }
 
   private async follow(place: ParsedPlace): Promise<void> {
@@ -193,6 +192,8 @@ export class Shell {
       if (turn !== this.opening) return;
       document.title = `${route.title === '' ? (place.path[0] ?? '') : route.title} - motiondb`;
       this.view = module.open(this.host, this.contextOf(), place);
+      if (this.entered) focusHeading(this.host, this.announce);
+      this.entered = true;
     } catch (error) {
       if (turn !== this.opening) return;
       this.scriptsFailed = true;
@@ -219,9 +220,7 @@ export class Shell {
       setQuery: (values) => {
         this.setQuery(values);
       },
-      announce: (text) => {
-        this.announce(text);
-      },
+      announce: this.announce,
       setTitle: (text) => {
         document.title = `${text} - motiondb`;
       },
@@ -277,9 +276,9 @@ export class Shell {
     this.host.replaceChildren();
   }
 
-  private announce(text: string): void {
+  private announce = (text: string): void => {
     this.speech.textContent = text;
-  }
+  };
 
   private get loggedIn(): boolean {
     return this.session.role !== null && this.connection.state !== 'login';

@@ -1,4 +1,5 @@
-// Colours of labels: the same label has the same colour everywhere, in both themes.
+// Colours behind the text of a label, in tables and timelines. Different labels can have the same
+// colour; drawings without texts use LabelPalette.
 
 export const kLabelColorCount = 12;
 
@@ -15,9 +16,4 @@ export function labelColorIndex(label: string): number {
 // Class that gives an element the colour of a label.
 export function labelClass(label: string): string {
   return `label-${labelColorIndex(label)}`;
-}
-
-// Name of the colour of a label in the style sheet.
-export function labelColorProperty(label: string): string {
-  return `--label-${labelColorIndex(label)}`;
 }

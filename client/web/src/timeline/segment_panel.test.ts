@@ -23,6 +23,8 @@ function panelOf(calls: object, clock = new PlaybackClock(1, 60)): SegmentPanel 
     clip,
     clock,
     editable: true,
+    view: { zoom: 1, segment: '' },
+    viewed: () => undefined,
     signal: new AbortController().signal,
     operation: () => undefined,
   });
@@ -106,8 +108,9 @@ test('a second edit before the answer of the first is no conflict', async () => 
     for (const kind of ['keydown', 'keyup'])
       edge?.dispatchEvent(new KeyboardEvent(kind, { key: 'ArrowRight', bubbles: true }));
   }
-  await new Promise((resolve) => setTimeout(resolve, 50));
-  expect(updateSegment).toHaveBeenCalledTimes(3);
+  await vi.waitFor(() => {
+    expect(etag).toBe(4); // three updates
+  });
   // Only the edge that moved is sent.
   expect(updateSegment.mock.calls.map(([{ updateMask }]) => updateMask.paths)).toEqual(
     Array.from({ length: 3 }, () => ['end_seconds']),

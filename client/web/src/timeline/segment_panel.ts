@@ -1,6 +1,7 @@
 import { Code } from '@connectrpc/connect';
 import type { Connection } from '../api/connection';
 import { hasCode } from '../api/errors';
+import { lastPart } from '../api/resource_names';
 import { SegmentSource, type Operation, type WatchDatabaseResponse } from '../api/messages';
 import { button, element, labelled, replaceChildren } from '../dom/element';
 import { keepFocus } from '../dom/focus';
@@ -12,13 +13,22 @@ import { SegmentStore, type StoredSegment } from './segment_store';
 import { Timeline } from './timeline';
 import type { Api } from '../api/api';
 
+export interface TimelineView {
+  zoom: number; // 1: the whole clip
+  segment: string; // id of the selected one; empty: none
+}
+
 export interface SegmentPanelOptions {
   api: Api;
   connection: Connection;
   clip: string;
   clock: PlaybackClock;
   editable: boolean;
+  // Shown at first.
+  view: TimelineView;
   signal: AbortSignal;
+  // The user has changed the view.
+  viewed(view: Partial<TimelineView>): void;
   // A change has started this operation of the model.
   operation(operation: Operation): void;
 }
@@ -39,7 +49,8 @@ export class SegmentPanel {
   private waiting: (readonly WatchDatabaseResponse[])[] = [];
 
   constructor(private readonly options: SegmentPanelOptions) {
-    const { clock } = options;
+    const { clock, view } = options;
+    this.selected = view.segment === '' ? '' : `${options.clip}/segments/${view.segment}`;
     this.timeline = new Timeline(clock.duration, clock.frameRate, options.editable, {
       seek: (seconds) => {
         clock.seek(seconds);
@@ -63,10 +74,15 @@ export class SegmentPanel {
         this.drawForm();
       },
     );
-    const zoom = element('input', { type: 'range', min: 1, max: 20, step: 0.5, value: 1 });
+    const zoom = element('input', { type: 'range', min: 1, max: 20, step: 0.5, value: view.zoom });
     zoom.addEventListener('input', () => {
       this.timeline.setZoom(Number(zoom.value));
     });
+    zoom.addEventListener('change', () => {
+      options.viewed({ zoom: Number(zoom.value) });
+    });
+    this.timeline.select(this.selected);
+    this.timeline.setZoom(Number(zoom.value));
     this.node = element(
       'section',
       { class: 'panel stack', 'aria-label': 'Segments' },
@@ -114,6 +130,7 @@ export class SegmentPanel {
 
   private select(name: string): void {
     this.selected = name;
+    this.options.viewed({ segment: lastPart(name) });
     this.timeline.select(name);
     this.showRange();
     this.drawForm();

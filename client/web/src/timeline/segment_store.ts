@@ -1,6 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { FieldMaskSchema } from '@bufbuild/protobuf/wkt';
 import type { Api } from '../api/api';
+import { pagesOf } from '../api/lists';
 import {
   SegmentSource,
   type Operation,
@@ -57,15 +58,12 @@ export class SegmentStore {
 
   async reload(): Promise<void> {
     const segments: StoredSegment[] = [];
-    let pageToken = '';
-    do {
-      const page = await this.api.segments.listSegments(
-        { parent: this.clip, pageSize: 1000, pageToken },
-        { signal: this.signal },
-      );
+    const { clip: parent, signal } = this;
+    for await (const page of pagesOf((request) =>
+      this.api.segments.listSegments({ ...request, parent }, { signal }),
+    )) {
       segments.push(...page.segments.map((segment) => this.convert(segment)));
-      pageToken = page.nextPageToken;
-    } while (pageToken !== '');
+    }
     this.segments = segments;
     this.changed(undefined);
   }

@@ -62,11 +62,19 @@ export class Timeline {
     this.draw();
   }
 
-  // 1 shows the whole clip.
+  // 1 shows the whole clip. The present time moves to the middle.
   setZoom(zoom: number): void {
     this.zoom = Math.min(Math.max(zoom, 1), 50);
     this.lanes.style.width = `${this.zoom * 100}%`;
     this.draw();
+    this.reveal();
+  }
+
+  // Scrolls the present time to the middle.
+  reveal(): void {
+    const fraction = Math.max(this.shownTime, 0) / Math.max(this.duration, 1e-9);
+    const { clientWidth } = this.node;
+    this.node.scrollLeft = fraction * this.lanes.offsetWidth - clientWidth / 2;
   }
 
   // Moves the line of the present time.

@@ -1,16 +1,27 @@
 // Panels read again what failed when the connection was lost.
+import { create } from '@bufbuild/protobuf';
 import { Code, ConnectError } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Connection } from '../api/connection';
+import {
+  GetServerStatusResponseSchema,
+  OperationSchema,
+  PlannedMotionSchema,
+} from '../api/messages';
 import { Disposer } from '../dom/disposer';
 import { PlaybackClock } from '../player/playback_clock';
+import { LabelPalette } from '../drawing/palette';
 import type { ViewContext } from '../shell/view';
 import { BackupPanel } from './admin/backup_panel';
+import { OperationsPanel } from './admin/operations_panel';
+import { StatusPanel } from './admin/status_panel';
+import { TokensPanel } from './admin/tokens_panel';
 import { ComparePanel } from './clip/compare_panel';
 import type { MotionPane } from './clip/motion_pane';
 import { NodePanel } from './database/node_panel';
 import { NodePoses } from './database/node_poses';
 import type { StateMap } from './database/state_map';
+import { open as openLive } from './live/live_view';
 import { open as openPlan } from './plan/plan_view';
 import { ProfilePanel } from './query/profile_panel';
 
@@ -20,6 +31,13 @@ vi.mock('./query/profile_chart', () => ({
     dispose() {
       this.node.remove();
     }
+  },
+}));
+vi.mock('../chart/line_chart', () => ({
+  LineChart: class {
+    node = document.createElement('figure');
+    setData = vi.fn();
+    dispose = vi.fn();
   },
 }));
 // No WebGL.
@@ -42,7 +60,8 @@ function lostOnce<Response>(response: Response) {
 function contextOf(api: unknown) {
   const connection = new Connection(() => Promise.resolve(), 1000);
   const theme = { name: 'light', onChange: () => () => undefined, color: () => '#000' };
-  const context = { api, connection, theme, setQuery: vi.fn(), announce: vi.fn() };
+  const session = { role: 'reader' };
+  const context = { api, connection, theme, session, setQuery: vi.fn(), announce: vi.fn() };
   return context as unknown as ViewContext;
 }
 
@@ -59,7 +78,12 @@ const params = { database: 'demo', path: [], query: new URLSearchParams() };
 
 test('generation probability', async () => {
   const recognize = lostOnce({ windows: [] });
-  const panel = new ProfilePanel(contextOf({ queries: { recognize } }), vi.fn(), vi.fn());
+  const panel = new ProfilePanel(
+    contextOf({ queries: { recognize } }),
+    new LabelPalette(),
+    vi.fn(),
+    vi.fn(),
+  );
   const observed = {
     motion: { markers: { positions: new Float32Array(3), names: ['a'] }, frameRateHz: 60 },
   };
@@ -109,6 +133,56 @@ test('databases to download', async () => {
   ]);
 });
 
+const rowsAndErrors = (node: HTMLElement) => [
+  node.querySelectorAll('tbody tr').length,
+  errorsOf(node),
+];
+
+test('operations', async () => {
+  const operation = create(OperationSchema, { database: 'databases/demo' });
+  const operations = { listOperations: lostOnce({ operations: [operation] }) };
+  const disposer = new Disposer();
+  const panel = new OperationsPanel(contextOf({ operations }), disposer);
+  expect(await beforeAndAfter(() => rowsAndErrors(panel.node))).toEqual([
+    [0, 1],
+    [1, 0],
+  ]);
+  disposer.dispose();
+});
+
+test('tokens', async () => {
+  const token = { name: 'tokens/1', role: 1, database: '', revokeTime: { seconds: 1n, nanos: 0 } };
+  const access = { listTokens: lostOnce({ tokens: [token], nextPageToken: '' }) };
+  const panel = new TokensPanel(contextOf({ access }), new Disposer());
+  expect(await beforeAndAfter(() => rowsAndErrors(panel.node))).toEqual([
+    [0, 1],
+    [1, 0],
+  ]);
+});
+
+test('the status of the server', async () => {
+  const status = create(GetServerStatusResponseSchema, { databases: [{ name: 'databases/demo' }] });
+  const server = { getServerStatus: lostOnce(status) };
+  const disposer = new Disposer();
+  const panel = new StatusPanel(contextOf({ server }), disposer);
+  expect(await beforeAndAfter(() => rowsAndErrors(panel.node))).toEqual([
+    [0, 1],
+    [1, 0],
+  ]);
+  disposer.dispose();
+});
+
+test('live streams', async () => {
+  const listStreams = lostOnce({ streams: [{ name: 'databases/demo/streams/1', frame: 1n }] });
+  const host = document.createElement('main');
+  const view = openLive(host, contextOf({ observe: { listStreams } }), params);
+  expect(await beforeAndAfter(() => rowsAndErrors(host))).toEqual([
+    [0, 1],
+    [1, 0],
+  ]);
+  view.close();
+});
+
 test('names of clips to compare with', async () => {
   const clips = { listClips: lostOnce({ clips: [{ name: 'databases/demo/clips/a' }] }) };
   const panel = new ComparePanel(
@@ -135,19 +209,7 @@ test('a planned motion', async () => {
       disconnect = vi.fn();
     },
   );
-  const motion = {
-    frameCount: 1,
-    frameRateHz: 60,
-    markerNames: [],
-    markerPositions: new Uint8Array(),
-    jointNames: [],
-    jointBones: [],
-    jointVisuals: [],
-    jointPositions: new Uint8Array(),
-    jointRotations: new Uint8Array(),
-    root: [],
-    segments: [],
-  };
+  const motion = create(PlannedMotionSchema, { frameCount: 1, frameRateHz: 60 });
   const getFigure = lostOnce({ figure: { markerBones: [] } });
   const context = contextOf({
     clips: { listClips: () => Promise.resolve({ clips: [] }) },

@@ -1,6 +1,8 @@
+import { Code } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../api/api';
 import { OperationState, type Operation } from '../api/messages';
+import { serverError } from '../api/test_server';
 import { OperationProgress } from './operation_progress';
 
 beforeEach(() => {
@@ -62,4 +64,17 @@ test('progress does not fall if an older state arrives', async () => {
   expect(bar.hidden).toBe(true);
   expect(progress.node.textContent).toBe('Model is up to date.');
   expect(done).toHaveBeenCalledTimes(1);
+});
+
+test('an operation is followed although the store of the server is away for a while', async () => {
+  const ended = { name: 'operations/1', state: OperationState.SUCCEEDED, progress: 1 };
+  const waitOperation = vi
+    .fn(() => Promise.resolve({ operation: ended }))
+    .mockRejectedValueOnce(serverError(Code.Unavailable, 'STORE_UNREACHABLE'));
+  const api = { operations: { waitOperation } } as unknown as Api;
+  const progress = new OperationProgress(api, new AbortController().signal);
+  progress.watch({ ...ended, state: OperationState.RUNNING, result: {} } as Operation);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(waitOperation).toHaveBeenCalledTimes(2);
+  expect(progress.node.textContent).toBe('Model is up to date.');
 });

@@ -1,5 +1,6 @@
+import { Code } from '@connectrpc/connect';
 import type { Api } from '../api/api';
-import { isConnectionLost } from '../api/errors';
+import { hasCode, isConnectionLost } from '../api/errors';
 import { OperationState, type Operation } from '../api/messages';
 import { element } from '../dom/element';
 import { percent } from '../dom/format';
@@ -64,7 +65,8 @@ export class OperationProgress {
         this.done(operation);
         return;
       } catch (error) {
-        if (!isConnectionLost(error)) {
+        // The store of the server can be away for a while.
+        if (!isConnectionLost(error) && !hasCode(error, Code.Unavailable)) {
           this.watched = '';
           this.notice.error(error);
           return;

@@ -51,7 +51,7 @@ function watch(api: Api, signal: AbortSignal) {
   void watchDatabase(api, {
     database: 'demo',
     signal,
-    failed: () => ++state.failures,
+    observer: { works: vi.fn(), failed: () => ++state.failures },
     changed: () => ++state.changes,
   }).then(() => {
     state.ended = true;

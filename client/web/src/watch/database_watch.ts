@@ -8,11 +8,18 @@ import { whileVisible } from './visibility';
 
 const kRetryMilliseconds = 2000;
 
+// Whether changes arrive.
+export interface WatchObserver {
+  // The stream has sent a message.
+  works(): void;
+  // The stream has ended with an error, for example because the token was revoked.
+  failed(error: unknown): void;
+}
+
 export interface WatchOptions {
   database: string;
   signal: AbortSignal;
-  // The stream has ended with an error, for example because the token was revoked.
-  readonly failed: (error: unknown) => void;
+  readonly observer: WatchObserver;
   // A stored transaction: its changes in order. Also called with no changes when it begins,
   // and if changes can have been missed: then the caller reads everything again.
   readonly changed: (changes: readonly WatchDatabaseResponse[]) => void;
@@ -24,7 +31,7 @@ export interface WatchOptions {
 // opened again.
 export async function watchDatabase(
   api: Api,
-  { database, signal, changed, failed }: WatchOptions,
+  { database, signal, changed, observer }: WatchOptions,
 ): Promise<void> {
   const name = databaseName(database);
   let revision: bigint | undefined;
@@ -41,6 +48,7 @@ export async function watchDatabase(
         const stream = api.databases.watchDatabase(request, { signal: visible });
         let changes: WatchDatabaseResponse[] = [];
         for await (const response of stream) {
+          observer.works();
           if (response.change.case !== undefined) changes.push(response);
           if (!response.upToDate) continue;
           revision = response.revision;
@@ -50,7 +58,7 @@ export async function watchDatabase(
       });
     } catch (error) {
       // A cancelled call is that of a closed view.
-      if (!hasCode(error, Code.Canceled)) failed(error);
+      if (!hasCode(error, Code.Canceled)) observer.failed(error);
       if (isFinal(error)) return;
       if (hasCode(error, Code.OutOfRange, Code.FailedPrecondition, Code.InvalidArgument)) {
         revision = undefined;

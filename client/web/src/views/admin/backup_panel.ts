@@ -1,4 +1,5 @@
-import { databaseName, lastPart } from '../../api/resource_names';
+import { readDatabaseIds } from '../../api/lists';
+import { databaseName } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
 import { downloadBytes } from '../../dom/download';
 import { button, element, labelled } from '../../dom/element';
@@ -63,13 +64,9 @@ export class BackupPanel {
 
   private async listDatabases(): Promise<void> {
     try {
-      const { databases } = await this.context.api.databases.listDatabases(
-        { pageSize: 1000 },
-        { signal: this.disposer.signal },
-      );
-      for (const { name } of databases) {
-        this.database.append(element('option', { value: lastPart(name) }, lastPart(name)));
-      }
+      const { signal } = this.disposer;
+      const ids = await readDatabaseIds(this.context.api, { signal });
+      this.database.append(...ids.map((id) => element('option', { value: id }, id)));
       this.listNotice.clear();
     } catch (error) {
       this.listNotice.error(error);

@@ -4,12 +4,13 @@ import { LineChart, type ChartLine } from '../../chart/line_chart';
 import type { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
 import { keepFocus } from '../../dom/focus';
-import { bytes, count, percent, time } from '../../dom/format';
+import { bytes, count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import { poll } from '../../dom/poller';
 import { tableOf } from '../../dom/table';
 import { hrefOf } from '../../shell/place';
 import type { ViewContext } from '../../shell/view';
+import { statusFacts } from './status_facts';
 import { StatusHistory } from './status_history';
 
 const kPollMilliseconds = 2000;
@@ -77,32 +78,12 @@ export class StatusPanel {
   }
 
   private draw(status: GetServerStatusResponse): void {
-    const state =
-      status.notReadyReason !== ''
-        ? status.notReadyReason
-        : status.serving
-          ? 'serving'
-          : 'draining';
-    const entries: [string, string][] = [
-      ['Version', status.version],
-      ['Started', time(status.startTime)],
-      ['State', state],
-      ['Encryption', status.encrypted ? 'on' : 'off'],
-      ['Authentication', status.authenticated ? 'required' : 'DISABLED'],
-      ['Calls', `${count(status.callCount)}, ${count(status.failedCallCount)} with a server error`],
-      ['Store', `${bytes(status.storeBytes)}, log ${bytes(status.logBytes)}`],
-      ['Free disk space', status.diskBytes === undefined ? '' : bytes(status.diskFreeBytes)],
-      ['Open streams', count(status.openStreamCount)],
-      [
-        'Corrupt items',
-        status.corruptions.map((each) => `${each.resource}: ${each.description}`).join('\n'),
-      ],
-    ];
     replaceChildren(
       this.facts,
-      ...entries.flatMap(([name, value]) =>
-        value === '' ? [] : [element('dt', {}, name), element('dd', {}, value)],
-      ),
+      ...statusFacts(status, this.history.cpu.at(-1) ?? null).flatMap(([name, text]) => [
+        element('dt', {}, name),
+        element('dd', {}, text),
+      ]),
     );
     for (const { chart, lines } of this.charts) chart.setData(this.history.times, lines());
     // A click needs the same button when the pointer is released.

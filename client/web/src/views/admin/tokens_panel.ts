@@ -1,3 +1,4 @@
+import { pagesOf } from '../../api/lists';
 import { Role, type Token } from '../../api/messages';
 import { databaseName, lastPart } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
@@ -91,15 +92,12 @@ export class TokensPanel {
   private async read(): Promise<void> {
     try {
       const tokens: Token[] = [];
-      let pageToken = '';
-      do {
-        const page = await this.context.api.access.listTokens(
-          { pageSize: 1000, pageToken },
-          { signal: this.disposer.signal },
-        );
+      const { signal } = this.disposer;
+      for await (const page of pagesOf((request) =>
+        this.context.api.access.listTokens(request, { signal }),
+      )) {
         tokens.push(...page.tokens);
-        pageToken = page.nextPageToken;
-      } while (pageToken !== '');
+      }
       this.notice.clear();
       this.draw(tokens);
     } catch (error) {

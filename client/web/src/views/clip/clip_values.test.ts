@@ -1,4 +1,5 @@
 import { create } from '@bufbuild/protobuf';
+import { timestampDate } from '@bufbuild/protobuf/wkt';
 import { expect, test } from 'vitest';
 import { ClipSchema } from '../../api/messages';
 import { changedPaths, clipOf, valuesOf } from './clip_values';
@@ -44,4 +45,33 @@ test('a field that is not valid is an error that names it', () => {
   expect(() => clipOf({ ...valuesOf(clip), fields: [twice, twice] })).toThrow('got two');
   const nameless = { name: '', kind: 'text', text: 'b' } as const;
   expect(() => clipOf({ ...valuesOf(clip), fields: [nameless] })).toThrow('Expected a name');
+});
+
+test('a time has Z or an offset', () => {
+  const milliseconds = (text: string) => {
+    const { day } = clipOf({
+      ...valuesOf(clip),
+      fields: [{ name: 'day', kind: 'time', text }],
+    }).fields;
+    if (day?.value.case !== 'time') throw new Error('no time');
+    return timestampDate(day.value.value).getTime();
+  };
+  const noon = Date.UTC(2026, 4, 1, 12);
+  expect(milliseconds('2026-05-01T12:00:00Z')).toBe(noon);
+  expect(milliseconds(' 2026-05-01t12:00:00.250z ')).toBe(noon + 250);
+  expect(milliseconds('2026-05-01T14:00:00+02:00')).toBe(noon);
+  expect(milliseconds('2026-05-01T06:30:00-05:30')).toBe(noon);
+  // Local times, years, and days that are not there.
+  for (const text of [
+    '2026-05-01T12:00:00',
+    '2026-05-01T12:00',
+    '2026-05-01',
+    '5',
+    'May 1 2026 12:00:00Z',
+    '2026-02-30T12:00:00Z',
+    '2026-05-01T25:00:00Z',
+    '2026-13-01T12:00:00Z',
+    '',
+  ])
+    expect(() => milliseconds(text)).toThrow('Field day: expected a time with Z or an offset');
 });

@@ -79,9 +79,22 @@ function fieldValue({ name, kind, text }: FieldText): FieldValue {
     return create(FieldValueSchema, { value: { case: 'flag', value: text === 'true' } });
   }
   if (kind === 'time') {
-    const value = new Date(text);
-    if (Number.isNaN(value.getTime())) throw expected('a time such as 2026-05-01T12:00:00Z');
+    const value = timeOf(text.trim());
+    if (!value)
+      throw expected(
+        'a time with Z or an offset, such as 2026-05-01T12:00:00Z or 2026-05-01T14:00:00+02:00',
+      );
     return create(FieldValueSchema, { value: { case: 'time', value: timestampFromDate(value) } });
   }
   return create(FieldValueSchema, { value: { case: 'text', value: text } });
+}
+
+// The moment of an RFC 3339 text; undefined for others. A Date also takes a text without an offset, as
+// local time, and days that a month does not have.
+function timeOf(text: string): Date | undefined {
+  const [, day] =
+    /^(\d{4}-\d{2}-\d{2})T\d{2}:\d{2}:\d{2}(?:\.\d+)?(?:Z|[+-]\d{2}:\d{2})$/i.exec(text) ?? [];
+  if (day === undefined || new Date(day).getUTCDate() !== Number(day.slice(-2))) return undefined;
+  const value = new Date(text.toUpperCase());
+  return Number.isNaN(value.getTime()) ? undefined : value;
 }

@@ -17,17 +17,27 @@ import { kStageParts, type StagePart } from '../../stage/motion_stage';
 import { ContactRibbon } from '../../timeline/contact_ribbon';
 import { SegmentPanel } from '../../timeline/segment_panel';
 import { watchDatabase } from '../../watch/database_watch';
+import { WatchNotice } from '../../watch/watch_notice';
 import { OperationProgress } from '../operation_progress';
 import { ClipProperties } from './clip_properties';
 import { ComparePanel } from './compare_panel';
 import { CurvePanel } from './curve_panel';
+import { mayHaveNewMotion } from './motion_change';
 import { MotionPane } from './motion_pane';
 import { partChoices } from './part_choices';
 
 // Player of a clip, with its segments and curves.
 export const open: OpenView = (host, context, params) => {
-  const view = new ClipView(host, context, params);
-  void view.start();
+  let view: ClipView;
+  const show = () => {
+    view = new ClipView(host, context, params, () => {
+      view.close();
+      host.replaceChildren();
+      show();
+    });
+    void view.start();
+  };
+  show();
   return {
     close: () => {
       view.close();
@@ -39,6 +49,8 @@ class ClipView {
   private readonly disposer = new Disposer();
   private readonly starting = new NewestCall(this.disposer.signal);
   private readonly notice = new Notice();
+  private readonly watchNotice: WatchNotice;
+  private readonly motionNotice = new Notice();
   private readonly stages = element('div', { class: 'stages' });
   private readonly below = element('div', { class: 'stack' });
   private readonly controls = element('div', { class: 'panel stack' });
@@ -47,6 +59,8 @@ class ClipView {
   private readonly clock = new PlaybackClock(0, 60);
   // As in the URL that was opened; the view changes the URL later.
   private readonly query: URLSearchParams;
+  // The newest version that the page knows; the motion can be that of an older one.
+  private clip: Clip | undefined;
   private properties: ClipProperties | undefined;
   private segments: SegmentPanel | undefined;
 
@@ -54,10 +68,12 @@ class ClipView {
     host: HTMLElement,
     private readonly context: ViewContext,
     private readonly params: ViewParams,
+    private readonly reopen: () => void,
   ) {
     this.id = params.path[0] ?? '';
     this.query = new URLSearchParams(params.query);
     this.progress = new OperationProgress(context.api, this.disposer.signal);
+    this.watchNotice = new WatchNotice(context.connection);
     const title = element('h1', {}, this.id);
     host.append(
       element(
@@ -65,6 +81,8 @@ class ClipView {
         { class: 'stack' },
         title,
         this.notice.node,
+        this.watchNotice.node,
+        this.motionNotice.node,
         this.stages,
         this.controls,
         this.below,
@@ -96,6 +114,7 @@ class ClipView {
 
   private show(clip: Clip): void {
     const { query } = this;
+    this.clip = clip;
     this.clock.speed = speedOf(query.get('speed'));
     this.clock.loop = query.get('loop') !== '0';
     const shown = query.get('show')?.split(',');
@@ -156,9 +175,7 @@ class ClipView {
     void watchDatabase(this.context.api, {
       database: this.params.database,
       signal: this.disposer.signal,
-      failed: (error) => {
-        this.context.connection.failed(error);
-      },
+      observer: this.watchNotice,
       changed: (changes) => {
         this.follow(changes);
       },
@@ -170,8 +187,7 @@ class ClipView {
     const name = clipName(this.params.database, this.id);
     if (changes.length === 0) void this.readAgain(name);
     for (const { change } of changes) {
-      if (change.case === 'clip' && change.value.name === name)
-        this.properties?.follow(change.value);
+      if (change.case === 'clip' && change.value.name === name) this.followClip(change.value);
       if (change.case === 'deleted' && change.value === name) this.showDeleted();
     }
     this.segments?.follow(changes);
@@ -183,12 +199,25 @@ class ClipView {
     try {
       const { clip } = await this.context.api.clips.getClip({ name }, { signal });
       this.notice.clear();
-      if (clip) this.properties?.follow(clip);
+      if (clip) this.followClip(clip);
     } catch (error) {
       if (hasCode(error, Code.NotFound)) this.showDeleted();
       else this.notice.error(error);
       this.context.connection.whenRestored(error, signal, () => void this.readAgain(name));
     }
+  }
+
+  // A new motion waits until the user loads it: input that is not saved stays.
+  private followClip(clip: Clip): void {
+    if (this.clip && mayHaveNewMotion(this.clip, clip)) {
+      const load = button('Load the new motion', this.reopen);
+      this.motionNotice.message(
+        'This clip was replaced or derived again. The motion shown here can be the old one.',
+        [load],
+      );
+    }
+    this.clip = clip;
+    this.properties?.follow(clip);
   }
 
   private showDeleted(): void {
@@ -237,7 +266,16 @@ class ClipView {
       clip: clip.name,
       clock: this.clock,
       editable: mayActAs(this.context.session, 'ingester'),
+      view: {
+        zoom: Number(this.query.get('zoom')) || 1,
+        segment: this.query.get('segment') ?? '',
+      },
       signal: this.disposer.signal,
+      viewed: ({ zoom, segment }) => {
+        if (zoom !== undefined) this.context.setQuery({ zoom: zoom === 1 ? null : zoom });
+        if (segment !== undefined)
+          this.context.setQuery({ segment: segment === '' ? null : segment });
+      },
       operation: (operation) => {
         this.progress.watch(operation);
       },
@@ -254,6 +292,7 @@ class ClipView {
       panel.timeline.show(this.clock.time);
     };
     show();
+    panel.timeline.reveal();
     this.disposer.add(this.clock.onChange(show));
   }
 
@@ -297,7 +336,7 @@ class ClipView {
     });
     this.disposer.add(
       this.clock.onChange(() => {
-        panel.setTime(this.clock.time);
+        panel.setTime(this.clock.time, this.clock.playing);
       }),
     );
   }

@@ -1,7 +1,8 @@
+import { readClipIds } from '../../api/lists';
 import { NewestCall } from '../../api/newest_call';
-import { clipName, databaseName, lastPart } from '../../api/resource_names';
+import { clipName } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
-import { button, element, labelled } from '../../dom/element';
+import { button, element, labelled, offerNames } from '../../dom/element';
 import { Notice } from '../../dom/notice';
 import { alignmentOffset } from '../../motion/alignment';
 import type { PlaybackClock } from '../../player/playback_clock';
@@ -91,13 +92,7 @@ export class ComparePanel {
   private async listNames(): Promise<void> {
     try {
       const { signal } = this.disposer;
-      const page = await this.context.api.clips.listClips(
-        { parent: databaseName(this.params.database), pageSize: 500 },
-        { signal },
-      );
-      this.names.replaceChildren(
-        ...page.clips.map((clip) => element('option', { value: lastPart(clip.name) })),
-      );
+      offerNames(this.names, await readClipIds(this.context.api, this.params.database, { signal }));
       this.namesNotice.clear();
     } catch (error) {
       this.namesNotice.error(error);

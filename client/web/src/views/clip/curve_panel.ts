@@ -1,7 +1,7 @@
 import { LineChart } from '../../chart/line_chart';
 import { element, labelled, replaceChildren, selectOf } from '../../dom/element';
-import { curvesOf, frameTimes, type CurveKind } from '../../motion/curves';
-import type { Motion, PointTrack } from '../../motion/motion';
+import { curvesOf, frameTimes, valueText, type Curve, type CurveKind } from '../../motion/curves';
+import { frameAt, type Motion, type PointTrack } from '../../motion/motion';
 import type { ThemeSwitch } from '../../shell/theme';
 
 const kKinds = [
@@ -9,6 +9,9 @@ const kKinds = [
   ['height', 'Height, m'],
   ['speed', 'Speed, m/s'],
 ] as const;
+
+// While the motion plays, the values follow it at this interval.
+const kDrawMilliseconds = 50;
 
 export interface CurvePanelOptions {
   theme: ThemeSwitch;
@@ -29,7 +32,11 @@ export class CurvePanel {
   private readonly pointHost = element('span');
   private point: HTMLSelectElement | undefined;
   private readonly kind: HTMLSelectElement;
+  private readonly values = element('output', { class: 'hint curve-values' });
   private motion: Motion | undefined;
+  private curves: readonly Curve[] = [];
+  private seconds = 0;
+  private drawnAt = -Infinity;
 
   constructor(private readonly options: CurvePanelOptions) {
     this.chart = new LineChart({
@@ -53,6 +60,7 @@ export class CurvePanel {
         element('h2', {}, 'Curves'),
         this.pointHost,
         labelled('Curve', this.kind),
+        this.values,
       ),
       this.chart.node,
     );
@@ -75,8 +83,15 @@ export class CurvePanel {
     if (this.options.point !== '' && chosen) this.options.highlight(chosen.marker);
   }
 
-  setTime(seconds: number): void {
+  setTime(seconds: number, isPlaying = false): void {
+    this.seconds = seconds;
     this.chart.setMark(seconds);
+    const now = performance.now();
+    if (isPlaying && now - this.drawnAt < kDrawMilliseconds) return;
+    this.drawnAt = now;
+    // A screen reader would read the values of a motion that plays without end.
+    this.values.setAttribute('aria-live', isPlaying ? 'off' : 'polite');
+    this.showValues();
   }
 
   dispose(): void {
@@ -94,6 +109,17 @@ export class CurvePanel {
     return kKinds.find(([kind]) => kind === this.kind.value)?.[0] ?? 'position';
   }
 
+  private get unit(): string {
+    return this.kindValue === 'speed' ? 'm/s' : 'm';
+  }
+
+  // The values at the moment, which the chart itself shows only to a pointer.
+  private showValues(): void {
+    if (!this.motion || this.curves.length === 0) return;
+    const text = valueText(this.curves, frameAt(this.motion, this.seconds), this.unit);
+    if (text !== this.values.textContent) this.values.textContent = text;
+  }
+
   private draw(): { text: string; marker: number } | undefined {
     const { motion } = this;
     const text = this.point?.value ?? '';
@@ -102,9 +128,10 @@ export class CurvePanel {
     const track: PointTrack = isJoint ? motion.joints : motion.markers;
     const point = track.names.indexOf(isJoint ? text.slice('joint:'.length) : text);
     if (point < 0) return undefined;
-    const unit = this.kindValue === 'speed' ? 'm/s' : 'm';
-    const curves = curvesOf(track, point, this.kindValue, motion.frameRateHz);
-    this.chart.setData(frameTimes(motion.frameCount, motion.frameRateHz), curves, unit);
+    this.curves = curvesOf(track, point, this.kindValue, motion.frameRateHz);
+    const times = frameTimes(motion.frameCount, motion.frameRateHz);
+    this.chart.setData(times, this.curves, this.unit);
+    this.showValues();
     return { text, marker: isJoint ? -1 : point };
   }
 }

@@ -10,7 +10,7 @@ vi.stubGlobal('CSS', { escape: (text: string) => text }); // jsdom has none
 const clips = ['a', 'b'].map((id) => create(ClipSchema, { name: `databases/demo/clips/${id}` }));
 
 function tableOf() {
-  const remove = vi.fn();
+  const remove = vi.fn(() => Promise.resolve(true));
   const thumbnails = { clear: vi.fn(), create: () => element('canvas') };
   const table = new ClipTable({
     database: 'demo',
@@ -57,4 +57,19 @@ test('a question ends when its button loses the focus, or its clip leaves the ta
   expect(buttonOf('a').textContent).toBe('Delete');
   click('a');
   expect(remove).not.toHaveBeenCalled();
+});
+
+test('a deletion that fails can be repeated', async () => {
+  const { remove, buttonOf, click } = tableOf();
+  remove.mockResolvedValueOnce(false);
+  click('b');
+  click('b');
+  await vi.waitFor(() => {
+    expect(buttonOf('b').disabled).toBe(false);
+  });
+  click('b');
+  click('b');
+  expect(remove).toHaveBeenCalledTimes(2);
+  await remove.mock.results[1]?.value;
+  expect(buttonOf('b').disabled).toBe(true);
 });

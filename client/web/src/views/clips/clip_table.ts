@@ -22,8 +22,8 @@ const kColumns = [
 export interface ClipTableOptions {
   database: string;
   thumbnails: Thumbnails;
-  // Null: the caller may not delete.
-  remove: ((clip: Clip) => void) | null;
+  // Deletes a clip; false: it could not. Null: the caller may not delete.
+  remove: ((clip: Clip) => Promise<boolean>) | null;
   order(orderBy: string): void;
 }
 
@@ -125,7 +125,10 @@ export class ClipTable {
         node.disabled = this.asked === id;
         this.asked = node.disabled ? '' : id;
         show();
-        if (node.disabled) this.options.remove?.(clip);
+        if (!node.disabled) return;
+        void this.options.remove?.(clip).then((removed) => {
+          node.disabled = removed;
+        });
       },
       { 'data-key': `delete ${id}` },
     );

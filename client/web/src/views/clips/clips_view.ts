@@ -9,6 +9,7 @@ import { count } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
 import { watchDatabase } from '../../watch/database_watch';
+import { WatchNotice } from '../../watch/watch_notice';
 import { OperationProgress } from '../operation_progress';
 import { kFacetFields, kPageSize, previousPages, queryOf, stateOf } from './clip_list_state';
 import { ClipTable } from './clip_table';
@@ -47,7 +48,9 @@ class ClipsView {
   private readonly total = element('p', { class: 'hint', role: 'status' });
   private readonly list = element('div', { class: 'clip-list' });
   private readonly pager = element('nav', { class: 'row', 'aria-label': 'Pages' });
+  // Of a clip that could not be deleted. Reads of the list leave it.
   private readonly notice = new Notice();
+  private readonly watchNotice: WatchNotice;
   private reading: AbortController | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -58,6 +61,7 @@ class ClipsView {
   ) {
     this.state = stateOf(params.query);
     const mayChange = mayActAs(context.session, 'ingester');
+    this.watchNotice = new WatchNotice(context.connection);
     this.filterBox = new FilterBox(this.state.filter, this.state.search, {
       apply: (filter, search) => {
         this.change({ filter, search });
@@ -70,7 +74,7 @@ class ClipsView {
     this.table = new ClipTable({
       database: params.database,
       thumbnails: new Thumbnails(context.api, context.theme, this.disposer.signal),
-      remove: mayChange ? (clip) => void this.remove(clip) : null,
+      remove: mayChange ? (clip) => this.remove(clip) : null,
       order: (orderBy) => {
         this.change({ orderBy });
       },
@@ -93,6 +97,7 @@ class ClipsView {
         this.progress.node,
         this.filterBox.node,
         this.notice.node,
+        this.watchNotice.node,
         this.list,
       ),
     );
@@ -104,9 +109,7 @@ class ClipsView {
     void watchDatabase(this.context.api, {
       database: this.params.database,
       signal: this.disposer.signal,
-      failed: (error) => {
-        this.context.connection.failed(error);
-      },
+      observer: this.watchNotice,
       changed: () => {
         this.readSoon();
       },
@@ -165,16 +168,16 @@ class ClipsView {
     this.reading?.abort();
     const controller = new AbortController();
     this.reading = controller;
+    const { filter } = this.state;
     try {
       const page = await this.readPage(controller.signal);
       if (controller.signal.aborted || this.disposer.disposed) return;
-      this.notice.clear();
       this.filterBox.clearError();
       // A click needs the same element when the pointer is released.
       if (this.list.matches(':active')) this.readSoon();
       else this.draw(page);
     } catch (error) {
-      if (!controller.signal.aborted) this.filterBox.showError(error);
+      if (!controller.signal.aborted) this.filterBox.showError(error, filter);
     }
   }
 
@@ -185,6 +188,7 @@ class ClipsView {
       pageSize: kPageSize,
       pageToken: pages.at(-1) ?? '',
       filter,
+      facets: [...kFacetFields],
     };
     if (search !== '') {
       const found = await this.context.api.clips.searchClips(
@@ -192,12 +196,10 @@ class ClipsView {
         { signal },
       );
       const clips = found.matches.flatMap((match) => (match.clip ? [match.clip] : []));
-      return { clips, total: found.totalCount, next: found.nextPageToken, facets: [] };
+      const { totalCount: total, nextPageToken: next, facets } = found;
+      return { clips, total, next, facets };
     }
-    const list = await this.context.api.clips.listClips(
-      { ...request, orderBy, facets: [...kFacetFields] },
-      { signal },
-    );
+    const list = await this.context.api.clips.listClips({ ...request, orderBy }, { signal });
     return {
       clips: list.clips,
       total: list.totalCount,
@@ -236,7 +238,8 @@ class ClipsView {
     });
   }
 
-  private async remove(clip: Clip): Promise<void> {
+  private async remove(clip: Clip): Promise<boolean> {
+    this.notice.clear();
     try {
       const { operation } = await this.context.api.clips.deleteClip(
         { name: clip.name },
@@ -245,8 +248,10 @@ class ClipsView {
       if (operation) this.progress.watch(operation);
       this.context.announce('Clip deleted');
       await this.read();
+      return true;
     } catch (error) {
       this.notice.error(error);
+      return false;
     }
   }
 

@@ -14,6 +14,8 @@ export class FilterBox {
   private readonly filter: HTMLInputElement;
   private readonly search: HTMLInputElement;
   private readonly notice = new Notice();
+  // The user has applied the text and has no answer yet.
+  private applied = false;
 
   constructor(filter: string, search: string, events: FilterBoxEvents) {
     this.filter = element('input', {
@@ -43,7 +45,9 @@ export class FilterBox {
     );
     this.node.addEventListener('submit', (event) => {
       event.preventDefault();
-      events.apply(this.filter.value.trim(), this.search.value.trim());
+      this.filter.value = this.filter.value.trim();
+      this.applied = true;
+      events.apply(this.filter.value, this.search.value.trim());
     });
   }
 
@@ -54,20 +58,23 @@ export class FilterBox {
   }
 
   clearError(): void {
+    this.applied = false;
     this.notice.clear();
     this.filter.removeAttribute('aria-invalid');
   }
 
-  // Shows an error of the list; one of the filter marks its place.
-  showError(error: unknown): void {
-    const text = this.filter.value;
+  // Shows an error of the list that was read with the filter `text`; one of the filter marks its
+  // place. The user can have changed the text since, so it is selected only after `Apply`.
+  showError(error: unknown, text: string): void {
+    const selects = this.applied && this.filter.value === text;
+    this.applied = false;
     const index = errorIndex(text, describeError(error)?.message ?? '');
     if (index === undefined) {
       this.notice.error(error);
       return;
     }
     this.filter.setAttribute('aria-invalid', 'true');
-    this.filter.setSelectionRange(index, Math.max(index + 1, text.length));
+    if (selects) this.filter.setSelectionRange(index, text.length);
     this.notice.error(error, [
       element(
         'p',

@@ -1,6 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { expect, test, vi } from 'vitest';
 import { MappingSchema, MarkerSetSchema, UploadClipResponseSchema } from '../../api/messages';
+import { testScene } from '../../scene/test_scene';
 import type { ViewContext } from '../../shell/view';
 import { MappingEditor } from './mapping_editor';
 
@@ -21,7 +22,8 @@ test('a mapping replaces none that another file has added since the editor opene
   });
   const applied = vi.fn();
   const context = { api } as unknown as ViewContext;
-  const editor = new MappingEditor(context, 'demo', 'my rig.bvh', checked, applied);
+  const events = { edited: vi.fn(), applied };
+  const editor = new MappingEditor(context, 'demo', 'my rig.bvh', checked, events);
   await vi.waitFor(() => {
     expect(editor.node.querySelector('button')).not.toBeNull();
   });
@@ -34,4 +36,41 @@ test('a mapping replaces none that another file has added since the editor opene
   });
   expect(added[0]).toContain('\nmapping "page-my_rig-2"\n');
   editor.dispose();
+});
+
+test('a hidden figure has no scene; it can be shown again', () => {
+  const scenes: { dispose: () => void; root: { children: unknown[] } }[] = [];
+  const newScene = vi.fn(() => {
+    const { scene } = testScene();
+    const canvas = document.createElement('canvas');
+    const fake = Object.assign(scene, { canvas, orbit: { place: vi.fn() }, dispose: vi.fn() });
+    scenes.push(fake);
+    return fake;
+  });
+  const checked = create(UploadClipResponseSchema, { points: [{ name: 'skull', zM: 1.7 }] });
+  const api = { markerSets: { getMarkerSet: () => new Promise(() => undefined) } };
+  const context = { api } as unknown as ViewContext;
+  const events = { edited: vi.fn(), applied: vi.fn() };
+  const editor = new MappingEditor(context, 'demo', 'a.bvh', checked, events, newScene);
+  expect(scenes).toEqual([]);
+  const state = () =>
+    scenes.map(({ dispose, root }) => [
+      vi.mocked(dispose).mock.calls.length,
+      root.children.length > 0,
+    ]);
+  editor.showFigure();
+  editor.showFigure();
+  expect(state()).toEqual([[0, true]]);
+  editor.hideFigure();
+  expect(state()).toEqual([[1, false]]);
+  editor.showFigure();
+  expect(state()).toEqual([
+    [1, false],
+    [0, true],
+  ]);
+  editor.dispose();
+  expect(state()).toEqual([
+    [1, false],
+    [1, false],
+  ]);
 });

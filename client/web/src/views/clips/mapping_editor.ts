@@ -9,8 +9,14 @@ import type { ViewContext } from '../../shell/view';
 import { centerOf } from '../../stage/motion_stage';
 import { mappingFile, mappingNameOf, pointsOf, rulesOf, type MarkerRule } from './mapping_file';
 
-// The points of a file on a figure, and the rules that compute the markers from them, to edit. A
-// changed mapping is added to the database; then the file is checked again.
+export interface MappingEvents {
+  // A rule was edited, or reset.
+  edited(): void;
+  // The rules are added to the database: the file is to be checked again.
+  applied(): void;
+}
+
+// The points of a file on a figure, and the rules that compute the markers from them, to edit.
 export class MappingEditor {
   readonly node = element('div', { class: 'mapping stack' });
   private readonly picture = element('div', { class: 'scene' });
@@ -27,7 +33,8 @@ export class MappingEditor {
     private readonly database: string,
     private readonly fileName: string,
     private readonly checked: UploadClipResponse,
-    private readonly applied: () => void,
+    private readonly events: MappingEvents,
+    private readonly newScene: typeof createScene = createScene,
   ) {
     const { mapping, points } = checked;
     this.node.append(
@@ -40,23 +47,35 @@ export class MappingEditor {
       element('div', { class: 'mapping-columns' }, this.picture, this.table),
       this.notice.node,
     );
-    queueMicrotask(() => {
-      if (!this.abort.signal.aborted) this.drawFigure();
-    });
     void this.readRules();
+  }
+
+  // True if there are rules that `Use these rules` has not added.
+  get isEdited(): boolean {
+    return this.inputs.some(({ input }) => input.value !== input.defaultValue);
   }
 
   dispose(): void {
     this.abort.abort();
-    for (const part of this.parts) part.dispose();
-    this.parts = [];
-    this.scene?.dispose();
+    this.hideFigure();
     this.node.remove();
   }
 
-  private drawFigure(): void {
+  // Frees the memory of the graphics processor; the rules stay.
+  hideFigure(): void {
+    for (const part of this.parts) part.dispose();
+    this.parts = [];
+    this.figure = undefined;
+    this.scene?.dispose();
+    this.scene = undefined;
+    this.picture.replaceChildren();
+  }
+
+  showFigure(): void {
+    if (this.scene) return;
+    this.picture.replaceChildren();
     const { points } = this.checked;
-    this.scene = createScene(this.picture, {
+    this.scene = this.newScene(this.picture, {
       theme: this.context.theme,
       label: `Points of ${this.fileName}`,
     });
@@ -113,6 +132,9 @@ export class MappingEditor {
         placeholder: 'default rule',
         spellcheck: 'false',
       });
+      input.addEventListener('input', () => {
+        this.events.edited();
+      });
       input.addEventListener('focus', () => {
         const [first] = pointsOf(input.value);
         this.figure?.highlight(this.checked.points.findIndex((point) => point.name === first));
@@ -138,13 +160,22 @@ export class MappingEditor {
         ),
         body,
       ),
-      button('Use these rules', () => void this.apply()),
+      element(
+        'div',
+        { class: 'row' },
+        button('Use these rules', () => void this.apply()),
+        button('Reset rules', () => {
+          for (const { input } of this.inputs) input.value = input.defaultValue;
+          this.events.edited();
+        }),
+      ),
     );
   }
 
   // Adds the mapping to the database, under the name of the file. Other files can have added theirs.
   private async apply(): Promise<void> {
     this.notice.clear();
+    this.node.inert = true;
     const rules = this.inputs.map(({ marker, input }) => ({ marker, rule: input.value }));
     const { points } = this.checked;
     try {
@@ -157,9 +188,11 @@ export class MappingEditor {
         },
         { signal: this.abort.signal },
       );
-      this.applied();
+      this.events.applied();
     } catch (error) {
       this.notice.error(error);
+    } finally {
+      this.node.inert = false;
     }
   }
 }

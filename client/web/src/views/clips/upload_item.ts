@@ -1,8 +1,10 @@
 import { Code } from '@connectrpc/connect';
 import { describeError, hasCode } from '../../api/errors';
 import type { Operation, UploadClipResponse } from '../../api/messages';
+import { NewestCall } from '../../api/newest_call';
 import { databaseName, lastPart } from '../../api/resource_names';
 import { button, element, labelled } from '../../dom/element';
+import { readFile } from '../../dom/file_bytes';
 import { seconds } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import { hrefOf } from '../../shell/place';
@@ -29,9 +31,15 @@ export class UploadItem {
   private readonly take = element('input', { maxlength: 255 });
   private readonly takeField = labelled('Take', this.take, { class: 'field' });
   private readonly report = element('p', { class: 'hint' });
+  private readonly editedHint = element(
+    'p',
+    { class: 'hint', role: 'status', hidden: true },
+    'The edited rules of the mapping are not used yet. Use or reset them, then store.',
+  );
   private readonly details = element('details', {}, element('summary', {}, 'Mapping'));
   private readonly storeButton: HTMLButtonElement;
   private readonly abort = new AbortController();
+  private readonly checking = new NewestCall(this.abort.signal);
   private checked: UploadClipResponse | undefined;
   private editor: MappingEditor | undefined;
 
@@ -70,31 +78,41 @@ export class UploadItem {
         }),
       ),
       this.report,
+      this.editedHint,
       this.notice.node,
       this.details,
     );
   }
 
-  // Checks the file on the server without storing it; shows the mapping if `open`.
+  // Checked, with the rules that the editor shows.
+  get isReady(): boolean {
+    return this.state === 'checked' && this.editor?.isEdited !== true;
+  }
+
+  // Checks the file on the server without storing it; shows the mapping if `open`. The answer of a
+  // check before this one is dropped.
   async check(open: boolean): Promise<void> {
+    if (this.state === 'storing' || this.state === 'stored') return;
+    const signal = this.checking.begin();
     this.enter('checking', 'checking');
     this.notice.clear();
     try {
-      const checked = await this.upload(true);
-      if (this.abort.signal.aborted) return;
+      const checked = await this.upload(true, signal);
+      if (signal.aborted) return;
       this.show(checked, open);
       this.enter('checked', 'checked');
     } catch (error) {
-      this.fail(error);
+      if (!signal.aborted) this.fail(error);
     }
   }
 
   async store(): Promise<void> {
+    const { signal } = this.abort;
     this.enter('storing', 'storing');
     this.notice.clear();
     try {
-      const { clip, operation } = await this.upload(false);
-      if (this.abort.signal.aborted || !clip) return;
+      const { clip, operation } = await this.upload(false, signal);
+      if (signal.aborted || !clip) return;
       const id = lastPart(clip.name);
       this.enter('stored', 'stored as ');
       this.status.append(
@@ -104,7 +122,7 @@ export class UploadItem {
       this.removeEditor();
       this.events.stored(operation);
     } catch (error) {
-      this.fail(error);
+      if (!signal.aborted) this.fail(error);
     }
   }
 
@@ -114,9 +132,9 @@ export class UploadItem {
     this.node.remove();
   }
 
-  private async upload(validateOnly: boolean): Promise<UploadClipResponse> {
+  private async upload(validateOnly: boolean, signal: AbortSignal): Promise<UploadClipResponse> {
     const { motion, skeleton } = this.job;
-    const bytesOf = async (file: File) => new Uint8Array(await file.arrayBuffer());
+    signal.throwIfAborted(); // the item can be closed while it waits for those before
     return this.context.api.clips.uploadClip(
       {
         header: {
@@ -128,10 +146,10 @@ export class UploadItem {
           conventions: { take: this.take.value.trim() },
           validateOnly,
         },
-        file: await bytesOf(motion),
-        ...(skeleton ? { skeletonFile: await bytesOf(skeleton) } : {}),
+        file: await readFile(motion),
+        ...(skeleton ? { skeletonFile: await readFile(skeleton) } : {}),
       },
-      { signal: this.abort.signal },
+      { signal },
     );
   }
 
@@ -149,19 +167,26 @@ export class UploadItem {
   }
 
   // The mapping of an open item. A browser has few pictures in three dimensions at a time, and a
-  // folder has many files.
+  // folder has many files: a closed item keeps only its rules.
   private async drawMapping(): Promise<void> {
     const { checked, details } = this;
-    const isDrawn = () => this.editor !== undefined;
-    if (!checked || !details.open || isDrawn()) return;
+    const isOpen = () => details.open;
+    if (!isOpen()) this.editor?.hideFigure();
+    if (!checked || !isOpen()) return;
     try {
       // Loaded here: the list of clips itself needs no graphics.
       const { MappingEditor: Editor } = await import('./mapping_editor');
-      if (this.checked !== checked || isDrawn()) return;
-      this.editor = new Editor(this.context, this.database, this.job.motion.name, checked, () => {
-        void this.check(true);
-      });
-      details.append(this.editor.node);
+      if (this.checked !== checked) return;
+      if (!this.editor) {
+        this.editor = new Editor(this.context, this.database, this.job.motion.name, checked, {
+          edited: () => {
+            this.update();
+          },
+          applied: () => void this.check(true),
+        });
+        details.append(this.editor.node);
+      }
+      if (isOpen()) this.editor.showFigure();
     } catch (error) {
       this.notice.error(error);
     }
@@ -174,7 +199,6 @@ export class UploadItem {
   }
 
   private fail(error: unknown): void {
-    if (this.abort.signal.aborted) return;
     const described = describeError(error);
     this.takeField.hidden = described?.reason !== 'TAKE_REQUIRED' && this.take.value === '';
     const existing = described?.metadata['clip'];
@@ -197,8 +221,16 @@ export class UploadItem {
   private enter(state: UploadState, text: string): void {
     this.state = state;
     this.status.textContent = text;
-    this.storeButton.disabled = state !== 'checked';
-    for (const input of [this.label, this.subject]) input.disabled = state === 'stored';
+    this.update();
+  }
+
+  private update(): void {
+    const { state } = this;
+    this.storeButton.disabled = !this.isReady;
+    this.editedHint.hidden = state !== 'checked' || this.isReady;
+    const isSent = state === 'storing' || state === 'stored';
+    for (const input of [this.label, this.subject, this.take]) input.disabled = isSent;
+    this.details.inert = state === 'checking' || state === 'storing';
     this.events.changed();
   }
 }

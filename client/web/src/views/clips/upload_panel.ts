@@ -100,11 +100,11 @@ export class UploadPanel {
 
   private async storeChecked(): Promise<void> {
     for (const item of [...this.items]) {
-      if (item.state === 'checked') await item.store();
+      if (item.isReady) await item.store();
     }
   }
 
   private update(): void {
-    this.storeAll.hidden = this.items.filter((item) => item.state === 'checked').length < 2;
+    this.storeAll.hidden = this.items.filter((item) => item.isReady).length < 2;
   }
 }

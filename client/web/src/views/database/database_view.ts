@@ -7,6 +7,8 @@ import { keepFocus } from '../../dom/focus';
 import { percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { View, ViewContext, ViewParams } from '../../shell/view';
+import { watchDatabase } from '../../watch/database_watch';
+import { WatchNotice } from '../../watch/watch_notice';
 import { AxisEnds } from './axis_ends';
 import { labelTable, layerTable, propertiesTable } from './database_table';
 import { MapControls } from './map_controls';
@@ -15,7 +17,7 @@ import { loadMap } from './map_loader';
 import { MapPanel } from './map_panel';
 import { queryOf, settingsOf, type MapSettings } from './map_settings';
 import { NodeList } from './node_list';
-import { describeNode, NodePanel, showPoseError } from './node_panel';
+import { describeNode, NodePanel, showOldModel, showPoseError } from './node_panel';
 import { NodePoses } from './node_poses';
 import type { StateMap } from './state_map';
 
@@ -31,6 +33,7 @@ export function open(host: HTMLElement, context: ViewContext, params: ViewParams
 class DatabasePage implements View {
   private readonly disposer = new Disposer();
   private readonly notice = new Notice();
+  private readonly watchNotice: WatchNotice;
   private readonly poses: NodePoses;
   private readonly panel: MapPanel;
   private readonly controls: MapControls;
@@ -39,6 +42,8 @@ class DatabasePage implements View {
   private readonly axisEnds: AxisEnds;
   private readonly nodeList: NodeList;
   private readonly variance = element('p', { class: 'hint' });
+  // Everything of the map.
+  private readonly answer = element('div');
   private readonly tables = element('section', {
     class: 'panel tables',
     'aria-label': 'Statistics',
@@ -54,6 +59,7 @@ class DatabasePage implements View {
     private readonly params: ViewParams,
   ) {
     this.settings = settingsOf(params.query);
+    this.watchNotice = new WatchNotice(context.connection);
     this.poses = new NodePoses(context.api, params.database, this.disposer.signal);
     this.controls = new MapControls(this.settings, (changes) => {
       this.change(changes);
@@ -94,12 +100,16 @@ class DatabasePage implements View {
     host.append(
       element('h1', {}, `Database ${params.database}`),
       this.notice.node,
+      this.watchNotice.node,
       this.controls.node,
+      this.answer,
+      this.tables,
+    );
+    this.answer.append(
       element('div', { class: 'map-layout' }, this.panel.node, side),
       this.variance,
       this.legend.node,
       this.nodeList.node,
-      this.tables,
     );
     this.disposer.listen<'keydown'>(this.panel.node, 'keydown', (event) => {
       if (event.key === '[') this.controls.stepLayer(-1);
@@ -116,6 +126,7 @@ class DatabasePage implements View {
     this.panel.open(this.params.query.get('camera'));
     void this.load();
     void this.loadStatistics();
+    void this.watchModel();
   }
 
   close(): void {
@@ -130,7 +141,10 @@ class DatabasePage implements View {
     this.settings = { ...before, ...changes };
     const other = ['layer', 'clip', 'points'] as const;
     const reload = other.some((name) => this.settings[name] !== before[name]);
-    if (reload) this.settings.node = undefined;
+    if (reload) {
+      this.settings.node = undefined;
+      this.nodePanel.clear();
+    }
     this.context.setQuery(queryOf(this.settings));
     if (this.settings.axes !== before.axes) this.context.setQuery({ camera: null });
     if (reload) void this.load();
@@ -153,17 +167,39 @@ class DatabasePage implements View {
       }
       this.map = map;
       this.notice.clear();
+      this.answer.hidden = false;
       this.draw();
       this.context.announce(
         `Layer ${map.header.layer}: ${map.header.nodeCount} nodes, ` +
           `${map.header.transitionCount} transitions`,
       );
     } catch (error) {
-      if (!signal.aborted) this.notice.error(error);
+      if (!signal.aborted) {
+        this.notice.error(error);
+        this.answer.hidden = true; // it is of the settings before
+      }
       this.context.connection.whenRestored(error, signal, () => void this.load());
     } finally {
       if (!signal.aborted) this.panel.node.removeAttribute('aria-busy');
     }
+  }
+
+  // Says when another model than that of the map is the current one.
+  private async watchModel(): Promise<void> {
+    await watchDatabase(this.context.api, {
+      database: this.params.database,
+      signal: this.disposer.signal,
+      observer: this.watchNotice,
+      changed: (changes) => {
+        const shown = this.map?.header.modelVersion;
+        const isOther = changes.some(
+          ({ change }) => change.case === 'modelVersion' && change.value !== shown,
+        );
+        if (!isOther || shown === undefined) return;
+        showOldModel(this.notice, () => void this.load());
+        void this.loadStatistics();
+      },
+    });
   }
 
   // The ids of nodes are those of one model.

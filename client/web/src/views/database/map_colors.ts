@@ -1,4 +1,4 @@
-import { clipColor, labelStyles, rgbOf } from '../../drawing/palette';
+import { clipColor, LabelPalette, rgbOf } from '../../drawing/palette';
 import type { ThemeName } from '../../shell/theme';
 import type { StateMap } from './state_map';
 
@@ -16,9 +16,10 @@ export function mapColors(
   colorBy: 'label' | 'clip',
   hiddenLabels: readonly string[],
   theme: ThemeName,
+  palette = new LabelPalette(map.header.labels),
 ): MapColors {
   const { header, nodes, points } = map;
-  const styles = labelStyles(header.labels, theme);
+  const styles = palette.styles(theme);
   const hidden = new Set(hiddenLabels);
   const clipRgb = header.clips.map((_, clip) =>
     rgbOf(

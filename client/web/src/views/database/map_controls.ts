@@ -1,4 +1,4 @@
-import { button, element, labelled, replaceChildren, selectOf } from '../../dom/element';
+import { button, element, labelled, offerNames, selectOf } from '../../dom/element';
 import { count } from '../../dom/format';
 import { lastPart } from '../../api/resource_names';
 import type { MapSettings } from './map_settings';
@@ -85,10 +85,7 @@ export class MapControls {
     this.layerText.textContent =
       `Layer ${header.layer} of ${header.nodesPerLayer.length}: ` +
       `${count(header.nodesPerLayer[header.layer - 1] ?? 0)} nodes`;
-    replaceChildren(
-      this.clipNames,
-      ...header.clips.map((clip) => element('option', { value: lastPart(clip) })),
-    );
+    offerNames(this.clipNames, header.clips.map(lastPart));
   }
 
   stepLayer(by: number): void {

@@ -1,5 +1,6 @@
 import { button, element, replaceChildren } from '../../dom/element';
 import { keepFocus } from '../../dom/focus';
+import { labelName, swatch } from '../../drawing/legend';
 import { clipColor, labelStyles } from '../../drawing/palette';
 import { lastPart } from '../../api/resource_names';
 import type { ThemeName } from '../../shell/theme';
@@ -30,11 +31,11 @@ export class MapLegend {
         {
           'aria-pressed': shown ? 'true' : 'false',
           class: 'legend-label',
-          'data-key': label === '' ? '(no label)' : label,
+          'data-key': labelName(label),
         },
       );
       if (colorBy === 'label') node.append(swatch(style.color));
-      node.append(label === '' ? '(no label)' : label);
+      node.append(labelName(label));
       return node;
     });
     const clipItems =
@@ -53,11 +54,4 @@ export class MapLegend {
       replaceChildren(this.node, ...labelButtons, ...clipItems, rest);
     });
   }
-}
-
-// A small square of a colour.
-export function swatch(color: string): HTMLElement {
-  const node = element('span', { class: 'swatch', 'aria-hidden': 'true' });
-  node.style.backgroundColor = color;
-  return node;
 }

@@ -1,5 +1,6 @@
 import { Disposer } from '../../dom/disposer';
 import { element } from '../../dom/element';
+import type { LabelPalette } from '../../drawing/palette';
 import { createScene } from '../../scene/scene';
 import type { ThemeSwitch } from '../../shell/theme';
 import { MapCanvas } from './map_canvas';
@@ -17,6 +18,8 @@ export interface MapContent {
   hiddenLabels: readonly string[];
   leastProbability: number;
   size: number;
+  // Default: the labels of the map.
+  palette?: LabelPalette;
 }
 
 export interface MapPanelOptions {
@@ -105,9 +108,9 @@ export class MapPanel {
     const { content, picture } = this;
     if (!content || !picture) return;
     const { theme } = this.options;
-    const { map, colorBy, hiddenLabels } = content;
+    const { map, colorBy, hiddenLabels, palette } = content;
     picture.draw(map, {
-      ...mapColors(map, colorBy, hiddenLabels, theme.name),
+      ...mapColors(map, colorBy, hiddenLabels, theme.name, palette),
       axes: content.axes,
       leastProbability: content.leastProbability,
       size: content.size,

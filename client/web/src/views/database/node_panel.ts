@@ -12,6 +12,12 @@ const kWait = 60;
 const kHint = 'Point at a node, or choose one below.';
 const kView = { width: 200, height: 220, turn: 0.6 };
 
+// A node by its place in a map: maps of another clip or model have other nodes there.
+interface ShownNode {
+  map: StateMap;
+  node: number;
+}
+
 // The node under the pointer or the chosen one: its numbers and its mean pose, with velocities.
 export class NodePanel {
   readonly node = element('section', { class: 'panel node-panel', 'aria-label': 'Node' });
@@ -19,7 +25,7 @@ export class NodePanel {
   private readonly picture = element('div', { class: 'pose-host' });
   private readonly notice = new Notice();
   private timer: ReturnType<typeof setTimeout> | undefined;
-  private shown = '';
+  private shown: ShownNode | undefined;
   private readonly closing = new AbortController();
 
   constructor(
@@ -32,17 +38,17 @@ export class NodePanel {
   }
 
   show(map: StateMap, node: number): void {
-    const key = `${map.header.modelVersion}:${map.header.layer}:${node}`;
-    if (key === this.shown) return;
-    this.shown = key;
+    if (this.shown?.map === map && this.shown.node === node) return;
+    const shown = { map, node };
+    this.shown = shown;
     this.facts.textContent = describeNode(map, node);
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => void this.load(map, node, key), kWait);
+    this.timer = setTimeout(() => void this.load(shown), kWait);
   }
 
   // Shows no node.
   clear(): void {
-    this.shown = '';
+    this.shown = undefined;
     clearTimeout(this.timer);
     this.facts.textContent = kHint;
     this.picture.replaceChildren();
@@ -54,19 +60,19 @@ export class NodePanel {
     clearTimeout(this.timer);
   }
 
-  private async load(map: StateMap, node: number, key: string): Promise<void> {
+  private async load(shown: ShownNode): Promise<void> {
     try {
-      const id = map.nodes.ids[node]!;
-      const [pose] = await this.poses.load(map.header, [id]);
-      if (key !== this.shown || !pose) return;
+      const id = shown.map.nodes.ids[shown.node]!;
+      const [pose] = await this.poses.load(shown.map.header, [id]);
+      if (shown !== this.shown || !pose) return;
       this.notice.clear();
       replaceChildren(this.picture, posePicture(pose, kView, `Mean pose of node ${id}`));
     } catch (error) {
-      if (key !== this.shown) return;
+      if (shown !== this.shown) return;
       this.picture.replaceChildren();
       showPoseError(this.notice, error, this.readMap);
       this.connection.whenRestored(error, this.closing.signal, () => {
-        if (key === this.shown) void this.load(map, node, key);
+        if (shown === this.shown) void this.load(shown);
       });
     }
   }
@@ -75,10 +81,13 @@ export class NodePanel {
 // Shows why there are no poses. Those of a model that was replaced cannot be read any more.
 export function showPoseError(notice: Notice, error: unknown, readMap: () => void): void {
   if (describeError(error)?.reason !== 'MODEL_SUPERSEDED') notice.error(error);
-  else
-    notice.message('The model was built again. This map is of the old model.', [
-      button('Read the map again', readMap),
-    ]);
+  else showOldModel(notice, readMap);
+}
+
+export function showOldModel(notice: Notice, readMap: () => void): void {
+  notice.message('The model was built again. This map is of the old model.', [
+    button('Read the map again', readMap),
+  ]);
 }
 
 // Numbers of a node as text.

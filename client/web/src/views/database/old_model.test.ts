@@ -1,10 +1,9 @@
 // The poses of a map are those of its model, also after another client has built a new one.
-import { create, toBinary } from '@bufbuild/protobuf';
 import { Code, ConnectError } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../../api/api';
 import { Connection } from '../../api/connection';
-import { ErrorInfoSchema } from '../../api/messages';
+import { serverError } from '../../api/test_server';
 import { floatBytes } from '../../drawing/float_bytes';
 import type { ViewContext } from '../../shell/view';
 import { open } from './database_view';
@@ -23,17 +22,12 @@ afterEach(() => {
   vi.restoreAllMocks();
 });
 
-function superseded(): ConnectError {
-  const error = new ConnectError('model 1 was replaced', Code.FailedPrecondition);
-  const value = toBinary(ErrorInfoSchema, create(ErrorInfoSchema, { reason: 'MODEL_SUPERSEDED' }));
-  error.details.push({ type: 'google.rpc.ErrorInfo', value });
-  return error;
-}
+const superseded = () => serverError(Code.FailedPrecondition, 'MODEL_SUPERSEDED');
 
 // A database of which only the model with the number `current` can be read. The marker of the mean
 // pose of node 4 is at that height.
 function databaseOf() {
-  const model = { current: 1 };
+  const model = { current: 1, isWatched: false };
   const getNodePoses = vi.fn(({ parent, nodeIds }: { parent: string; nodeIds: number[] }) => {
     if (parent !== `databases/demo/models/${model.current}`) return Promise.reject(superseded());
     const markerPositions = floatBytes(Float32Array.of(0, 0, model.current));
@@ -46,8 +40,30 @@ function databaseOf() {
   const readStateMap = () => stateMapOf(model.current, [4, 5, 6]);
   const getFigure = () => Promise.resolve({ figure: { markerBones: [] } });
   const getDatabase = () => Promise.resolve({ database: {} });
-  const api = { views: { getNodePoses, readStateMap, getFigure }, databases: { getDatabase } };
+  // Sends the version of each model, first that of the one before the watch.
+  async function* watchDatabase(_: unknown, { signal }: { signal: AbortSignal }) {
+    let sent = 0;
+    while (!signal.aborted) {
+      await new Promise((resolve) => setTimeout(resolve, 50));
+      if (sent === model.current || !model.isWatched) continue;
+      sent = model.current;
+      yield { change: { case: 'modelVersion', value: sent }, upToDate: true, revision: 1n };
+    }
+  }
+  const databases = { getDatabase, watchDatabase };
+  const api = { views: { getNodePoses, readStateMap, getFigure }, databases };
   return { model, api: api as unknown as Api, getNodePoses };
+}
+
+function openView(api: Api, query: string) {
+  const theme = { name: 'light', onChange: () => () => undefined, color: () => '#000' };
+  const connection = new Connection(() => Promise.resolve());
+  const setQuery = vi.fn();
+  const context = { api, theme, connection, setQuery, announce: vi.fn() };
+  const host = document.createElement('main');
+  const params = { database: 'demo', path: [], query: new URLSearchParams(query) };
+  const view = open(host, context as unknown as ViewContext, params);
+  return { view, host, setQuery };
 }
 
 test('poses are asked for, and kept, by model', async () => {
@@ -79,13 +95,7 @@ test('a model that is not stored yet is read as the current one', async () => {
 
 test('a map of an old model says so and is read again', async () => {
   const { model, api } = databaseOf();
-  const theme = { name: 'light', onChange: () => () => undefined, color: () => '#000' };
-  const connection = new Connection(() => Promise.resolve());
-  const setQuery = vi.fn();
-  const context = { api, theme, connection, setQuery, announce: vi.fn() };
-  const host = document.createElement('main');
-  const params = { database: 'demo', path: [], query: new URLSearchParams('node=4') };
-  const view = open(host, context as unknown as ViewContext, params);
+  const { view, host, setQuery } = openView(api, 'node=4');
   await vi.advanceTimersByTimeAsync(200);
   const panel = host.querySelector('.node-panel')!;
   const state = () => [
@@ -106,5 +116,50 @@ test('a map of an old model says so and is read again', async () => {
   // Node 5 of the new model is another node.
   expect(state()).toEqual([false, false, 0, []]);
   expect(setQuery).toHaveBeenLastCalledWith(expect.objectContaining({ node: null }));
+  view.close();
+});
+
+test('a rebuild by another client is reported', async () => {
+  const { model, api } = databaseOf();
+  model.isWatched = true;
+  const { view, host } = openView(api, '');
+  await vi.advanceTimersByTimeAsync(200);
+  const notice = host.querySelector('.notice')!;
+  expect(notice.textContent).toBe('');
+  model.current = 2;
+  await vi.advanceTimersByTimeAsync(200);
+  expect(notice.textContent).toContain('This map is of the old model.');
+  notice.querySelector('button')!.click();
+  await vi.advanceTimersByTimeAsync(200);
+  expect(notice.textContent).toBe('');
+  view.close();
+});
+
+test('the nodes of the graph of a clip are not those of the database', async () => {
+  const { api } = databaseOf();
+  const { views } = api as unknown as { views: { readStateMap: unknown } };
+  views.readStateMap = ({ clip }: { clip: string }) => {
+    if (clip.endsWith('/none')) throw new ConnectError('no clip none', Code.NotFound);
+    return stateMapOf(1, clip === '' ? [4, 5, 6] : [5, 6]);
+  };
+  const { view, host } = openView(api, 'node=4');
+  await vi.advanceTimersByTimeAsync(200);
+  const panel = host.querySelector('.node-panel')!;
+  expect(panel.textContent).toContain('Node 4 of layer 2');
+  const clip = host.querySelector<HTMLInputElement>('input[name=clip], input[list]')!;
+  const choose = async (text: string) => {
+    clip.value = text;
+    clip.dispatchEvent(new Event('change'));
+    await vi.advanceTimersByTimeAsync(200);
+  };
+  await choose('a');
+  expect(panel.textContent).toContain('Point at a node');
+  // The first node has the place of node 4 before.
+  [...host.querySelectorAll('button')].find((each) => each.textContent === '5')!.click();
+  await vi.advanceTimersByTimeAsync(200);
+  expect(panel.textContent).toContain('Node 5 of layer 2');
+  await choose('none');
+  expect(host.querySelector('.notice')?.textContent).toContain('no clip none');
+  expect(panel.closest<HTMLElement>('[hidden]')).not.toBeNull();
   view.close();
 });

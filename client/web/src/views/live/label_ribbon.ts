@@ -1,6 +1,7 @@
 import { element } from '../../dom/element';
+import { legendEntries } from '../../drawing/legend';
+import type { LabelPalette } from '../../drawing/palette';
 import type { ThemeSwitch } from '../../shell/theme';
-import { labelColorProperty } from '../../timeline/label_color';
 import type { LabelMoment } from './label_history';
 
 const kWidth = 1200;
@@ -13,10 +14,12 @@ const kLastSeconds = 0.05;
 export class LabelRibbon {
   readonly node: HTMLElement;
   private readonly canvas = element('canvas', { width: kWidth, height: kHeight });
+  private readonly legend = element('div', { class: 'legend' });
   private readonly text = element('p', { class: 'ribbon-text', 'aria-live': 'off' });
 
   constructor(
     private readonly theme: ThemeSwitch,
+    private readonly palette: LabelPalette,
     private readonly lengthSeconds: number,
   ) {
     this.node = element(
@@ -27,6 +30,7 @@ export class LabelRibbon {
         { role: 'img', 'aria-label': `Labels of the last ${lengthSeconds} seconds` },
         this.canvas,
       ),
+      this.legend,
       this.text,
     );
   }
@@ -37,15 +41,17 @@ export class LabelRibbon {
     if (!context || !last) return;
     context.clearRect(0, 0, kWidth, kHeight);
     const scale = kWidth / this.lengthSeconds;
+    const labels = moments.flatMap(({ label, unknown }) => (unknown ? [] : [label]));
+    this.palette.add(labels);
+    const styles = this.palette.styles(this.theme.name);
+    this.legend.replaceChildren(...legendEntries(labels, styles));
     const unknown = moments.some((moment) => moment.unknown) ? this.hatching(context) : '';
     moments.forEach((moment, index) => {
       const following = moment.beforeGap === true ? undefined : moments[index + 1];
       const next = following?.time ?? moment.time + kLastSeconds;
       const x = kWidth - (last.time - moment.time) * scale;
       const height = kHeight * Math.min(Math.max(moment.probability, 0.04), 1);
-      context.fillStyle = moment.unknown
-        ? unknown
-        : this.theme.color(labelColorProperty(moment.label));
+      context.fillStyle = moment.unknown ? unknown : (styles.get(moment.label)?.color ?? 'gray');
       context.fillRect(x, kHeight - height, Math.max(1, (next - moment.time) * scale), height);
     });
     this.text.textContent = describe(last);

@@ -5,6 +5,7 @@ import { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
 import { count, time } from '../../dom/format';
 import { Notice } from '../../dom/notice';
+import { poll } from '../../dom/poller';
 import { hrefOf } from '../../shell/place';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
 import { StreamWatch } from './stream_watch';
@@ -14,7 +15,6 @@ const kListMilliseconds = 2000;
 // Running streams, and the answers of one of them.
 export const open: OpenView = (host, context, params) => {
   const view = new LiveView(host, context, params);
-  void view.list();
   return {
     close: () => {
       view.close();
@@ -27,7 +27,6 @@ class LiveView {
   private readonly notice = new Notice();
   private readonly streams = element('div', { class: 'table-scroll' });
   private readonly chosen: string;
-  private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     host: HTMLElement,
@@ -49,14 +48,15 @@ class LiveView {
         this.streams,
       ),
     );
-    this.disposer.add(() => {
-      clearTimeout(this.timer);
-    });
+    poll(this.disposer, kListMilliseconds, () => this.list());
     void watch?.run();
   }
 
-  // Reads the streams, then again every two seconds.
-  async list(): Promise<void> {
+  close(): void {
+    this.disposer.dispose();
+  }
+
+  private async list(): Promise<void> {
     try {
       const { streams } = await this.context.api.observe.listStreams(
         { parent: databaseName(this.params.database) },
@@ -67,12 +67,6 @@ class LiveView {
     } catch (error) {
       this.notice.error(error);
     }
-    if (this.disposer.disposed) return;
-    this.timer = setTimeout(() => void this.list(), kListMilliseconds);
-  }
-
-  close(): void {
-    this.disposer.dispose();
   }
 
   private draw(streams: readonly ObservedStream[]): void {

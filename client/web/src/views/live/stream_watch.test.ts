@@ -1,4 +1,6 @@
+import { Code, ConnectError } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { serverError } from '../../api/test_server';
 import { Disposer } from '../../dom/disposer';
 import { recordRectangles } from '../../drawing/test_canvas';
 import type { ViewContext } from '../../shell/view';
@@ -13,6 +15,12 @@ vi.mock('../../chart/line_chart', () => ({
   },
 }));
 vi.mock('./live_stage', () => ({}));
+
+// What the page reads of a database before the stream.
+const kStored = {
+  views: { getFigure: () => Promise.resolve({}) },
+  databases: { getDatabase: () => Promise.resolve({}) },
+};
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -36,8 +44,8 @@ test('the ribbon is empty for the time in which the page was hidden', async () =
       yield { stream, answer, skippedCount: 0n, latencySeconds: 0 };
     }
   }
-  const api = { observe: { watchStream }, views: { getFigure: () => Promise.resolve({}) } };
-  const theme = { onChange: () => () => undefined, color: (name: string) => name };
+  const api = { observe: { watchStream }, ...kStored };
+  const theme = { name: 'light', onChange: () => () => undefined, color: (name: string) => name };
   const drawn = recordRectangles();
   const disposer = new Disposer();
   const context = { api, theme } as unknown as ViewContext;
@@ -61,4 +69,50 @@ test('the ribbon is empty for the time in which the page was hidden', async () =
     });
   });
   disposer.dispose();
+});
+
+// A watch whose calls end with these errors, one after the other.
+function watchOf(failures: (Code | ConnectError)[]) {
+  const watchStream = vi.fn(() => ({
+    [Symbol.asyncIterator]: () => ({
+      next: () => {
+        const failure = failures.shift();
+        return Promise.reject(
+          failure instanceof ConnectError ? failure : new ConnectError('from the test', failure),
+        );
+      },
+    }),
+  }));
+  const failed = vi.fn();
+  const api = { observe: { watchStream }, ...kStored };
+  const theme = { name: 'light', onChange: () => () => undefined, color: (name: string) => name };
+  recordRectangles();
+  const disposer = new Disposer();
+  const context = { api, theme, connection: { failed } } as unknown as ViewContext;
+  const watch = new StreamWatch(context, 'demo', 's', disposer);
+  return { watch, watchStream, failed, disposer };
+}
+
+test('a stream is watched again after a lost connection, until it does not run any more', async () => {
+  const { watch, watchStream, failed } = watchOf([
+    Code.Unavailable,
+    Code.Unavailable,
+    serverError(Code.Unavailable, 'STORE_UNREACHABLE'),
+    Code.NotFound,
+  ]);
+  const done = watch.run();
+  await vi.advanceTimersByTimeAsync(60_000);
+  await done;
+  expect(watchStream).toHaveBeenCalledTimes(4);
+  expect(failed).toHaveBeenCalledTimes(3);
+  expect(watch.node.textContent).toContain('does not run any more');
+});
+
+test('another error of a stream is shown and not tried again', async () => {
+  const { watch, watchStream } = watchOf([Code.PermissionDenied]);
+  const done = watch.run();
+  await vi.advanceTimersByTimeAsync(60_000);
+  await done;
+  expect(watchStream).toHaveBeenCalledTimes(1);
+  expect(watch.node.textContent).toContain('from the test');
 });

@@ -1,5 +1,6 @@
 import { Code } from '@connectrpc/connect';
 import { hasCode, isConnectionLost } from '../../api/errors';
+import { readLabels } from '../../api/lists';
 import type { WatchStreamResponse } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { LineChart } from '../../chart/line_chart';
@@ -7,6 +8,7 @@ import type { Disposer } from '../../dom/disposer';
 import { element, labelled, replaceChildren } from '../../dom/element';
 import { count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
+import { LabelPalette } from '../../drawing/palette';
 import type { ViewContext } from '../../shell/view';
 import { pause } from '../../watch/pause';
 import { whileVisible } from '../../watch/visibility';
@@ -26,6 +28,7 @@ export class StreamWatch {
   private readonly stageHost = element('div');
   private readonly facts = element('dl', { class: 'details' });
   private readonly history = new LabelHistory(kHistorySeconds);
+  private readonly palette = new LabelPalette();
   private readonly ribbon: LabelRibbon;
   private readonly latency: LineChart;
   private readonly latencies: number[] = [];
@@ -40,7 +43,7 @@ export class StreamWatch {
     private readonly stream: string,
     private readonly disposer: Disposer,
   ) {
-    this.ribbon = new LabelRibbon(context.theme, kHistorySeconds);
+    this.ribbon = new LabelRibbon(context.theme, this.palette, kHistorySeconds);
     this.latency = new LineChart({
       theme: context.theme,
       label: 'Latency of the last answers',
@@ -103,7 +106,8 @@ export class StreamWatch {
         }
         this.notice.error(error);
         this.context.connection.failed(error);
-        if (!isConnectionLost(error)) return;
+        // The store of the server can be away for a while.
+        if (!isConnectionLost(error) && !hasCode(error, Code.Unavailable)) return;
         await pause(kRetryMilliseconds, signal);
       }
     }
@@ -111,10 +115,10 @@ export class StreamWatch {
 
   private async openStage(): Promise<void> {
     if (this.stage) return;
-    const { figure } = await this.context.api.views.getFigure(
-      { name: databaseName(this.database) },
-      { signal: this.disposer.signal },
-    );
+    const { api } = this.context;
+    const { signal } = this.disposer;
+    this.palette.add(await readLabels(api, this.database, signal));
+    const { figure } = await api.views.getFigure({ name: databaseName(this.database) }, { signal });
     if (!figure || this.disposer.disposed) return;
     this.stage = new LiveStage(this.context.theme, figure);
     this.stageHost.append(this.stage.node);

@@ -1,4 +1,4 @@
-import { element, labelled } from '../../dom/element';
+import { element, labelled, offerNames } from '../../dom/element';
 import { normalAngle, type FloorPosition } from './floor_geometry';
 import { kPlanLimits, type PlanSettings } from './plan_settings';
 
@@ -92,7 +92,7 @@ export class PlanForm {
   }
 
   offer(clips: readonly string[]): void {
-    this.clips.replaceChildren(...clips.map((clip) => element('option', { value: clip })));
+    offerNames(this.clips, clips);
   }
 
   private values(): Partial<PlanSettings> {

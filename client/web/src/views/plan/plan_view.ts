@@ -1,10 +1,12 @@
 import '../../style/clip.css';
 import './plan.css';
-import { FileFormat, type PlanResponse } from '../../api/messages';
-import { databaseName, lastPart } from '../../api/resource_names';
+import { readClipIds } from '../../api/lists';
+import { FileFormat, PlanOutcome, type PlanResponse } from '../../api/messages';
+import { databaseName } from '../../api/resource_names';
 import { Disposer } from '../../dom/disposer';
 import { downloadBytes } from '../../dom/download';
 import { button, element } from '../../dom/element';
+import { readFile } from '../../dom/file_bytes';
 import { Notice } from '../../dom/notice';
 import { frameAt, type Motion } from '../../motion/motion';
 import { driveClock } from '../../player/clock_driver';
@@ -176,7 +178,10 @@ class PlanPage implements View {
       this.floor.fit();
       this.context.announce(`${motionsOf(response).length} motions found. ${response.missing}`);
     } catch (error) {
-      if (!signal.aborted) this.notice.error(error);
+      if (!signal.aborted) {
+        this.clearAnswer();
+        this.notice.error(error);
+      }
       this.context.connection.whenRestored(error, signal, () => void this.plan(shown));
     } finally {
       if (this.planning.signal === signal) this.showPlanning(false);
@@ -231,6 +236,16 @@ class PlanPage implements View {
     }
   }
 
+  // An answer to an earlier question must not stay beside the error of a newer one.
+  private clearAnswer(): void {
+    this.response = undefined;
+    this.planned = undefined;
+    this.answer.hidden = true;
+    this.floor.showPaths([]);
+    this.floor.showBody(undefined);
+    this.clearMotion();
+  }
+
   // A search can find no motion.
   private clearMotion(): void {
     this.motion = undefined;
@@ -240,10 +255,11 @@ class PlanPage implements View {
     if (this.stage.scene) this.stage.node.append(this.hint);
   }
 
-  // The same search again gives the same motions, now as files, unless the model has changed.
+  // The same search again gives the same motions, now as files, unless the model has changed. A search
+  // that ends at its time limit can find others: these are shown then.
   private async download(format: FileFormat): Promise<void> {
-    const { chosen } = this;
-    const shown = this.response && motionsOf(this.response)[chosen];
+    const { chosen, response: before } = this;
+    const shown = before && motionsOf(before)[chosen];
     if (!this.planned || !shown) return;
     const { settings, robot } = this.planned;
     try {
@@ -253,8 +269,14 @@ class PlanPage implements View {
         signal: this.disposer.signal,
       });
       const motion = motionsOf(response)[chosen];
-      if (!motion || !isSameMotion(motion, shown))
+      const isOther = motion === undefined || !isSameMotion(motion, shown);
+      if (!motion || (isOther && shown.outcome !== PlanOutcome.DEADLINE))
         throw new Error('The model has changed, so that the motion is another one. Plan again.');
+      // Unless the user has planned or chosen again meanwhile.
+      if (isOther && this.response === before && this.chosen === chosen) {
+        this.response = response;
+        await this.show(chosen);
+      }
       const { file } = motion;
       if (!file) throw new Error('Expected the motion as a file, got none.');
       this.notice.message([`Saved ${file.fileName}.`, ...file.notes].join('\n'));
@@ -266,11 +288,8 @@ class PlanPage implements View {
 
   private async offerNames(): Promise<void> {
     try {
-      const { clips } = await this.context.api.clips.listClips(
-        { parent: databaseName(this.params.database), pageSize: 1000 },
-        { signal: this.disposer.signal },
-      );
-      this.form.offer(clips.map(({ name }) => lastPart(name)));
+      const { signal } = this.disposer;
+      this.form.offer(await readClipIds(this.context.api, this.params.database, { signal }));
     } catch (error) {
       if (!this.disposer.disposed) this.notice.error(error);
       this.context.connection.whenRestored(
@@ -283,5 +302,5 @@ class PlanPage implements View {
 }
 
 async function readRobot(file: File | undefined): Promise<Robot | undefined> {
-  return file && { fileName: file.name, urdf: new Uint8Array(await file.arrayBuffer()) };
+  return file && { fileName: file.name, urdf: await readFile(file) };
 }

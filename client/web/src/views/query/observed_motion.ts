@@ -2,6 +2,7 @@ import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { Api } from '../../api/api';
 import type { ObservationSchema } from '../../api/messages';
 import { clipName, databaseName } from '../../api/resource_names';
+import { readFile } from '../../dom/file_bytes';
 import { floatBytes } from '../../drawing/float_bytes';
 import { copyFrames, createMotion, type Motion } from '../../motion/motion';
 import { cutMotion, type MarkerMotion } from './marker_error';
@@ -55,15 +56,14 @@ export async function observeFiles(
   const skeleton = files.find((file) => isSkeleton(file.name));
   const file = files.find((other) => other !== skeleton);
   if (!file) throw new Error('Expected a motion file, got only a skeleton: add the motion file.');
-  const bytesOf = async (source: File) => new Uint8Array(await source.arrayBuffer());
   const observation: ObservationInit = {
     form: {
       case: 'file',
       value: {
         fileName: file.name,
-        data: await bytesOf(file),
+        data: await readFile(file),
         ...(skeleton
-          ? { skeletonFileName: skeleton.name, skeletonData: await bytesOf(skeleton) }
+          ? { skeletonFileName: skeleton.name, skeletonData: await readFile(skeleton) }
           : {}),
       },
     },

@@ -1,6 +1,7 @@
 // The path of nodes is drawn only on the map of the model that answered.
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../../api/api';
+import { LabelPalette } from '../../drawing/palette';
 import type { ThemeSwitch } from '../../shell/theme';
 import { stateMapOf, stubDrawing } from '../database/test_map';
 import { PathMap } from './path_map';
@@ -21,7 +22,7 @@ function openMap() {
   const readStateMap = () => stateMapOf(model.version, [4, 5], () => ++model.nodeReads);
   const api = { views: { readStateMap } } as unknown as Api;
   const theme = { name: 'light', onChange: () => () => undefined, color: () => '#000' };
-  const map = new PathMap(api, theme as unknown as ThemeSwitch, 'demo');
+  const map = new PathMap(api, theme as unknown as ThemeSwitch, 'demo', new LabelPalette());
   const show = (modelVersion: number) => {
     const estimate = { layer: 2, modelVersion, paths: [{ nodeIds: [4, 4, 5] }] };
     const prediction = { nextNodes: [{ nodeId: 4 }] };

@@ -1,5 +1,7 @@
 import type { Api } from '../../api/api';
 import { element } from '../../dom/element';
+import { legendEntries } from '../../drawing/legend';
+import type { LabelPalette } from '../../drawing/palette';
 import type { ThemeSwitch } from '../../shell/theme';
 import { loadMap } from '../database/map_loader';
 import { MapPanel } from '../database/map_panel';
@@ -19,6 +21,7 @@ const kPathContent = {
 export class PathMap {
   readonly node = element('section', { class: 'path-map', 'aria-label': 'Path', hidden: true });
   private readonly text = element('p', { class: 'hint' });
+  private readonly legend = element('div', { class: 'legend' });
   private panel: MapPanel | undefined;
   private map: StateMap | undefined;
 
@@ -26,6 +29,7 @@ export class PathMap {
     private readonly api: Api,
     private readonly theme: ThemeSwitch,
     private readonly database: string,
+    private readonly palette: LabelPalette,
   ) {}
 
   async show({ estimate, prediction }: MomentAnswer, signal: AbortSignal): Promise<void> {
@@ -44,8 +48,17 @@ export class PathMap {
     const next = places.get(prediction.nextNodes[0]?.nodeId ?? -1);
     const nodes = new Map(path.map((place) => [place, '--path']));
     if (next !== undefined) nodes.set(next, '--next');
-    this.openPanel().show({ map, ...kPathContent }, { nodes, path });
+    const { palette } = this;
+    palette.add(map.header.labels);
+    this.openPanel().show({ map, ...kPathContent, palette }, { nodes, path });
+    this.drawLegend();
     this.text.textContent = `Path: ${path.map((place) => map.nodes.ids[place]!).join(', ')}`;
+  }
+
+  // Also called after a change of the theme.
+  drawLegend(): void {
+    const styles = this.palette.styles(this.theme.name);
+    this.legend.replaceChildren(...legendEntries(this.map?.header.labels ?? [], styles));
   }
 
   hide(): void {
@@ -63,7 +76,7 @@ export class PathMap {
     };
     const label = 'Estimated path in principal axes. Arrow keys turn, + and - zoom.';
     this.panel = new MapPanel({ theme: this.theme, label, onPoint: describe, onChoose: describe });
-    this.node.append(this.panel.node, this.text);
+    this.node.append(this.panel.node, this.legend, this.text);
     this.panel.open(null);
     return this.panel;
   }

@@ -2,7 +2,8 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { element } from '../../dom/element';
 import { lastPart } from '../../api/resource_names';
-import { labelStyles } from '../../drawing/palette';
+import { labelName } from '../../drawing/legend';
+import type { LabelStyle } from '../../drawing/palette';
 import type { ThemeSwitch } from '../../shell/theme';
 import { rangeOf, type Profile } from './profile_series';
 
@@ -18,16 +19,17 @@ export class ProfileChart {
   private readonly host = element('div');
   private readonly observer: ResizeObserver;
 
-  constructor(profile: Profile, theme: ThemeSwitch, seek: (seconds: number) => void) {
+  constructor(
+    profile: Profile,
+    styles: ReadonlyMap<string, LabelStyle>,
+    theme: ThemeSwitch,
+    seek: (seconds: number) => void,
+  ) {
     const caption = `Layer ${profile.layer}: ${describeProfile(profile)}`;
     this.node.append(element('figcaption', {}, caption), this.host);
     this.host.setAttribute('role', 'img');
     this.host.setAttribute('aria-label', `Generation probability over time. ${caption}`);
     const clips = strongest(profile, kMaxLines);
-    const styles = labelStyles(
-      profile.clips.map(({ label }) => label),
-      theme.name,
-    );
     const axis: uPlot.Axis = {
       stroke: theme.color('--text'),
       grid: { stroke: theme.color('--line'), width: 1 },
@@ -89,8 +91,7 @@ export function describeProfile(profile: Profile): string {
   });
   const [first] = [...wins].sort((a, b) => b[1] - a[1]);
   if (!first || !rangeOf(profile)) return 'no clip explains the motion';
-  const name = first[0] === '' ? '(no label)' : first[0];
-  return `${name} is most probable in ${first[1]} of ${profile.times.length} windows`;
+  return `${labelName(first[0])} is most probable in ${first[1]} of ${profile.times.length} windows`;
 }
 
 function strongest(profile: Profile, limit: number): Profile['clips'] {

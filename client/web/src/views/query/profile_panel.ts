@@ -2,6 +2,8 @@ import { Method } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { button, element, labelled } from '../../dom/element';
 import { Notice } from '../../dom/notice';
+import { legendEntries } from '../../drawing/legend';
+import type { LabelPalette } from '../../drawing/palette';
 import type { ViewContext } from '../../shell/view';
 import { observationOf, type ObservedMotion } from './observed_motion';
 import { ProfileChart } from './profile_chart';
@@ -26,6 +28,7 @@ export class ProfilePanel {
     'aria-label': 'Generation probability',
   });
   private readonly layers = element('input', { placeholder: 'bottom, middle, upper' });
+  private readonly legend = element('div', { class: 'legend' });
   private readonly charts = element('div', { class: 'profiles' });
   private readonly notice = new Notice();
   private drawn: ProfileChart[] = [];
@@ -35,6 +38,7 @@ export class ProfilePanel {
 
   constructor(
     private readonly context: Pick<ViewContext, 'api' | 'connection' | 'theme'>,
+    private readonly palette: LabelPalette,
     private readonly seek: (seconds: number) => void,
     private readonly ask: (layers: number[]) => void,
   ) {
@@ -46,6 +50,7 @@ export class ProfilePanel {
       element('h2', {}, 'Generation probability by layer'),
       element('div', { class: 'row' }, labelled('Layers', this.layers), start),
       this.notice.node,
+      this.legend,
       this.charts,
     );
     this.removeTheme = context.theme.onChange(() => {
@@ -108,7 +113,13 @@ export class ProfilePanel {
   private draw(): void {
     for (const chart of this.drawn) chart.dispose();
     const { theme } = this.context;
-    this.drawn = this.profiles.map((profile) => new ProfileChart(profile, theme, this.seek));
+    const labels = this.profiles.flatMap(({ clips }) => clips.map(({ label }) => label));
+    this.palette.add(labels);
+    const styles = this.palette.styles(theme.name);
+    this.drawn = this.profiles.map(
+      (profile) => new ProfileChart(profile, styles, theme, this.seek),
+    );
+    this.legend.replaceChildren(...legendEntries(labels, styles));
     this.charts.replaceChildren(...this.drawn.map((chart) => chart.node));
   }
 }

@@ -1,12 +1,14 @@
 import '../../style/clip.css';
 import '../database/database.css';
 import './query.css';
+import { readClipIds, readLabels } from '../../api/lists';
 import type { RecognitionWindow } from '../../api/messages';
 import { NewestCall } from '../../api/newest_call';
-import { databaseName, lastPart } from '../../api/resource_names';
+import { databaseName } from '../../api/resource_names';
 import { Disposer } from '../../dom/disposer';
 import { element } from '../../dom/element';
 import { Notice } from '../../dom/notice';
+import { LabelPalette } from '../../drawing/palette';
 import { durationOf, snapToFrame } from '../../motion/motion';
 import { driveClock } from '../../player/clock_driver';
 import { PlaybackClock } from '../../player/playback_clock';
@@ -42,6 +44,7 @@ class QueryPage implements View {
   private readonly ghosts: Ghosts;
   private readonly pathMap: PathMap;
   private readonly profiles: ProfilePanel;
+  private readonly palette = new LabelPalette();
   private readonly answer = element('div', { class: 'stack', hidden: true });
   private settings: QuerySettings;
   private observed: ObservedMotion | undefined;
@@ -68,14 +71,14 @@ class QueryPage implements View {
     this.player = new PlayerControls(this.clock);
     this.ribbon = new RecognitionRibbon(seek);
     this.ghosts = new Ghosts(this.stage.scene);
-    this.pathMap = new PathMap(api, theme, params.database);
+    this.pathMap = new PathMap(api, theme, params.database, this.palette);
     this.moment = new MomentPanel(
       () => void this.askMoment(this.clock.time),
       () => {
         this.clearMoment();
       },
     );
-    this.profiles = new ProfilePanel(context, seek, (layers) => {
+    this.profiles = new ProfilePanel(context, this.palette, seek, (layers) => {
       this.change({ layers });
       void this.loadProfiles();
     });
@@ -121,6 +124,7 @@ class QueryPage implements View {
     this.disposer.add(
       this.context.theme.onChange(() => {
         this.drawRibbon();
+        this.pathMap.drawLegend();
       }),
     );
     this.disposer.listen<'keydown'>(document, 'keydown', (event) => {
@@ -161,7 +165,8 @@ class QueryPage implements View {
           : await observeClip(api, database, clip, from, to, signal);
       this.showMotion(this.observed);
       this.notice.message('Recognizing ...');
-      const response = await api.queries.recognize(
+      const labels = readLabels(api, database, signal);
+      const recognized = api.queries.recognize(
         {
           database: databaseName(database),
           observation: observationOf(this.observed),
@@ -172,6 +177,8 @@ class QueryPage implements View {
         },
         { signal },
       );
+      const [response, known] = await Promise.all([recognized, labels]);
+      this.palette.add(known);
       this.windows = response.windows;
       this.notice.clear();
       this.drawRibbon();
@@ -197,7 +204,9 @@ class QueryPage implements View {
 
   private drawRibbon(): void {
     if (!this.observed) return;
-    this.ribbon.show(this.windows, durationOf(this.observed.motion), this.context.theme.name);
+    this.palette.add(this.windows.flatMap(({ labels }) => labels.map(({ label }) => label)));
+    const styles = this.palette.styles(this.context.theme.name);
+    this.ribbon.show(this.windows, durationOf(this.observed.motion), styles);
     this.ribbon.mark(this.clock.time);
   }
 
@@ -224,8 +233,10 @@ class QueryPage implements View {
       this.ghosts.show(observed.motion.markers, poses);
       await this.pathMap.show(answer, signal);
     } catch (error) {
-      if (!signal.aborted) this.moment.notice.error(error);
-      this.pathMap.hide();
+      if (!signal.aborted) {
+        this.hideMoment();
+        this.moment.notice.error(error);
+      }
       this.context.connection.whenRestored(error, signal, () => void this.askMoment(at));
     }
   }
@@ -233,6 +244,10 @@ class QueryPage implements View {
   private clearMoment(forget = true): void {
     this.predicting.stop();
     if (forget) this.change({ at: undefined });
+    this.hideMoment();
+  }
+
+  private hideMoment(): void {
     this.moment.clear();
     this.ghosts.clear();
     this.pathMap.hide();
@@ -257,15 +272,16 @@ class QueryPage implements View {
 
   private async offerNames(): Promise<void> {
     try {
-      const { clips, facets } = await this.context.api.clips.listClips(
-        { parent: databaseName(this.params.database), pageSize: 1000, facets: ['track'] },
-        { signal: this.disposer.signal },
-      );
+      const { api } = this.context;
+      const { database } = this.params;
+      const { signal } = this.disposer;
+      const counted = { parent: databaseName(database), pageSize: 1, facets: ['track'] };
+      const [clips, { facets }] = await Promise.all([
+        readClipIds(api, database, { signal }),
+        api.clips.listClips(counted, { signal }),
+      ]);
       const tracks = facets.flatMap((facet) => facet.values.map(({ value }) => value));
-      this.form.offer(
-        clips.map(({ name }) => lastPart(name)),
-        tracks,
-      );
+      this.form.offer(clips, tracks);
     } catch (error) {
       if (!this.disposer.disposed) this.notice.error(error);
       this.context.connection.whenRestored(

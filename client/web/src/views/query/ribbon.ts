@@ -1,7 +1,7 @@
 import { element, replaceChildren, svgElement } from '../../dom/element';
 import { percent } from '../../dom/format';
-import { labelStyles, type LabelStyle } from '../../drawing/palette';
-import type { ThemeName } from '../../shell/theme';
+import { labelName, legendEntries } from '../../drawing/legend';
+import type { LabelStyle } from '../../drawing/palette';
 import { ribbonAreas, runsOf, windowAt, winnerOf, type LabelledWindow } from './ribbon_layout';
 
 const kWidth = 1000;
@@ -40,12 +40,15 @@ export class RecognitionRibbon {
     this.node.append(this.picture, this.now, this.legend, list);
   }
 
-  show(windows: readonly LabelledWindow[], duration: number, theme: ThemeName): void {
+  show(
+    windows: readonly LabelledWindow[],
+    duration: number,
+    styles: ReadonlyMap<string, LabelStyle>,
+  ): void {
     this.windows = windows;
     this.duration = Math.max(duration, 1e-6);
     this.shownWindow = -2;
     const labels = labelsOf(windows);
-    const styles = labelStyles(labels, theme);
     const shapes = ribbonAreas(windows, labels).map((area) => {
       const rect = svgElement('rect', {
         x: (area.startSeconds / this.duration) * kWidth,
@@ -59,7 +62,7 @@ export class RecognitionRibbon {
       return rect;
     });
     this.areas.replaceChildren(...shapes);
-    this.drawLegend(windows, styles);
+    this.drawLegend(windows, legendEntries(labels, styles));
     replaceChildren(
       this.runs,
       ...runsOf(windows).map((run) =>
@@ -67,7 +70,7 @@ export class RecognitionRibbon {
           'li',
           {},
           `${run.startSeconds.toFixed(2)} s to ${run.endSeconds.toFixed(2)} s: ` +
-            `${run.unknown ? 'unknown motion' : nameOf(run.label)} (${percent(run.probability)})`,
+            `${run.unknown ? 'unknown motion' : labelName(run.label)} (${percent(run.probability)})`,
         ),
       ),
     );
@@ -85,12 +88,7 @@ export class RecognitionRibbon {
     this.now.textContent = window ? describeWindow(window) : '';
   }
 
-  private drawLegend(windows: readonly LabelledWindow[], styles: Map<string, LabelStyle>): void {
-    const entries = [...styles].map(([label, style]) => {
-      const patch = element('span', { class: 'swatch', 'aria-hidden': 'true' });
-      patch.style.backgroundColor = style.color;
-      return element('span', { class: 'legend-clip' }, patch, nameOf(label));
-    });
+  private drawLegend(windows: readonly LabelledWindow[], entries: readonly HTMLElement[]): void {
     const unknown = windows.some((window) => window.unknownProbability !== undefined)
       ? element(
           'span',
@@ -118,15 +116,11 @@ export function labelsOf(windows: readonly LabelledWindow[]): string[] {
 export function describeWindow(window: LabelledWindow): string {
   const parts = window.labels
     .slice(0, 3)
-    .map(({ label, probability }) => `${nameOf(label)} ${percent(probability)}`);
+    .map(({ label, probability }) => `${labelName(label)} ${percent(probability)}`);
   if (window.unknownProbability !== undefined) {
     parts.push(`unknown motion ${percent(window.unknownProbability)}`);
   }
   return `${parts.join(', ')}; familiarity ${percent(window.familiarity)}`;
-}
-
-function nameOf(label: string): string {
-  return label === '' ? '(no label)' : label;
 }
 
 function unknownPattern(): SVGDefsElement {

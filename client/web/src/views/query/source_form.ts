@@ -1,4 +1,4 @@
-import { button, element, labelled } from '../../dom/element';
+import { button, element, labelled, offerNames } from '../../dom/element';
 import type { QuerySettings } from './query_settings';
 
 // What the user wants to ask about.
@@ -62,10 +62,8 @@ export class SourceForm {
 
   // Names to choose from.
   offer(clips: readonly string[], tracks: readonly string[]): void {
-    const options = (names: readonly string[]) =>
-      names.map((name) => element('option', { value: name }));
-    this.clips.replaceChildren(...options(clips));
-    this.tracks.replaceChildren(...options(tracks));
+    offerNames(this.clips, clips);
+    offerNames(this.tracks, tracks);
   }
 
   private values(): Partial<QuerySettings> {

@@ -1,0 +1,79 @@
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { Connection } from '../api/connection';
+import { parseSession } from '../api/session';
+import { stubServer } from '../api/test_server';
+import { setHidden } from '../watch/test_visibility';
+import { checkSession } from './session_check';
+
+beforeEach(() => {
+  vi.useFakeTimers();
+});
+afterEach(() => {
+  vi.useRealTimers();
+  vi.restoreAllMocks();
+  vi.unstubAllGlobals();
+});
+
+const admin = parseSession({ role: 'admin' });
+const session = () => Response.json({ authenticationRequired: false, role: 'admin' });
+const revoked = { authenticationRequired: true, reason: 'tokens/ab was revoked' };
+
+test('a server that hangs is reported within a few seconds, by one check at a time', async () => {
+  let hangs = false;
+  const fetch = stubServer(() => (hangs ? undefined : session()));
+  const connection = new Connection(() => new Promise(() => undefined));
+  checkSession(connection, () => admin);
+  expect(fetch).not.toHaveBeenCalled();
+  await vi.advanceTimersByTimeAsync(6000);
+  expect([connection.state, fetch.mock.calls.length]).toEqual(['connected', 2]);
+  hangs = true;
+  await vi.advanceTimersByTimeAsync(3000 + 4900);
+  expect([connection.state, fetch.mock.calls.length]).toEqual(['connected', 3]);
+  await vi.advanceTimersByTimeAsync(100);
+  expect(connection.state).toBe('lost');
+  // The connection asks by itself until the server answers.
+  await vi.advanceTimersByTimeAsync(30_000);
+  expect(fetch).toHaveBeenCalledTimes(3);
+});
+
+test('a hidden page does not ask', async () => {
+  const fetch = stubServer(session);
+  setHidden(true);
+  checkSession(new Connection(() => Promise.resolve()), () => admin);
+  await vi.advanceTimersByTimeAsync(10_000);
+  expect(fetch).not.toHaveBeenCalled();
+  setHidden(false);
+  await vi.advanceTimersByTimeAsync(3000);
+  expect(fetch).toHaveBeenCalledTimes(1);
+});
+
+test('a token that is revoked asks for a login, with the reason', async () => {
+  stubServer(() => Response.json(revoked));
+  const connection = new Connection(() => Promise.resolve());
+  checkSession(connection, () => admin);
+  await vi.advanceTimersByTimeAsync(3000);
+  expect([connection.state, connection.loginReason]).toEqual(['login', 'tokens/ab was revoked']);
+});
+
+test('the form of the login stays, and an answer from before a login counts for nothing', async () => {
+  let answer: (response: Response) => void = () => undefined;
+  vi.stubGlobal('fetch', () => new Promise<Response>((resolve) => (answer = resolve)));
+  const connection = new Connection(() => Promise.resolve());
+  let present = parseSession(revoked);
+  checkSession(connection, () => present);
+  await vi.advanceTimersByTimeAsync(3000);
+  answer(Response.json(revoked));
+  await vi.advanceTimersByTimeAsync(3000);
+  present = admin;
+  answer(Response.json(revoked));
+  await vi.advanceTimersByTimeAsync(100);
+  expect(connection.state).toBe('connected');
+});
+
+test('a server without authentication needs no login', async () => {
+  const fetch = stubServer(() => Response.json({ authenticationRequired: false }));
+  const connection = new Connection(() => Promise.resolve());
+  checkSession(connection, () => admin);
+  await vi.advanceTimersByTimeAsync(9000);
+  expect([connection.state, fetch.mock.calls.length]).toEqual(['connected', 3]);
+});

@@ -204,7 +204,7 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   arguments.SetMaxReceiveMessageSize(-1);  // responses have their own limits
   const auto bridge = std::make_shared<CallBridge>(
       grpc::GenericStub(grpc_->InProcessChannel(arguments)), TransportMemory(options.calls),
-      host_->limits, static_cast<std::uint32_t>(options.max_message_bytes));
+      host_->limits, static_cast<std::uint32_t>(options.max_message_bytes), *monitor_);
   const auto make_http2 = [bridge](AcceptedClient client) {
     return std::make_shared<Connection>(*bridge, std::move(client));
   };

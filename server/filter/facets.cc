@@ -26,7 +26,7 @@ std::string ContentText(const FieldContent& content) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<FacetField>> ParseFacets(std::span<const std::string> names) {
+absl::StatusOr<std::vector<FacetField>> ParseFacets(const std::vector<std::string>& names) {
   if (names.size() > kMaxFacets) {
     return core::FieldViolation("facets", "expected at most {} fields, got {}", kMaxFacets,
                                 names.size());

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <deque>
-#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -24,7 +23,7 @@ struct FacetField {
 
 // Parses label, subject, tags, track, format, source or `fields.NAME`; at most kMaxFacets.
 // INVALID_ARGUMENT of the field `facets`.
-absl::StatusOr<std::vector<FacetField>> ParseFacets(std::span<const std::string> names);
+absl::StatusOr<std::vector<FacetField>> ParseFacets(const std::vector<std::string>& names);
 
 struct FacetValue {
   std::string value;

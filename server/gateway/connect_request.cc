@@ -37,12 +37,15 @@ grpc::Status Fault(absl::StatusCode code, fmt::format_string<Args...> format, Ar
   return ToGrpcStatus(absl::Status(code, fmt::format(format, std::forward<Args>(args)...)));
 }
 
+std::string PathOf(const google::protobuf::MethodDescriptor& method) {
+  return fmt::format("/{}/{}", method.service()->full_name(), method.name());
+}
+
 // Returns the RPC of exactly this path; null if there is none in the package.
 const google::protobuf::MethodDescriptor* FindMethod(const std::string& path) {
   const auto* const method = FindRpc(path);
   if (method == nullptr || method->file()->package() != kPackage) return nullptr;
-  const std::string name = fmt::format("/{}/{}", method->service()->full_name(), method->name());
-  return name == path ? method : nullptr;
+  return PathOf(*method) == path ? method : nullptr;
 }
 
 struct Coding {
@@ -115,38 +118,39 @@ std::string ConnectRequest::content_type() const {
   return fmt::format("application/{}{}", streams ? "connect+" : "", is_json ? "json" : "proto");
 }
 
-std::variant<ConnectRequest, HttpResponse> ParseConnectRequest(const HttpRequest& request) {
-  ConnectRequest parsed{.method = FindMethod(request.path)};
+std::string ConnectRequest::path() const { return PathOf(*method); }
+
+std::optional<ConnectRefusal> ParseConnectRequest(const HttpRequest& request,
+                                                  ConnectRequest& parsed) {
+  parsed.method = FindMethod(request.path);
   if (parsed.method == nullptr) {
-    return UnaryError(Fault(absl::StatusCode::kUnimplemented,
-                            "unknown path; expected /{}.SERVICE/METHOD", kPackage),
-                      404);
+    return ConnectRefusal{Fault(absl::StatusCode::kUnimplemented,
+                                "unknown path; expected /{}.SERVICE/METHOD", kPackage),
+                          404};
   }
+  parsed.request_id = PrintableAscii(request.Find("x-request-id"));
   if (request.method != "POST") {
-    HttpResponse response = UnaryError(
-        Fault(absl::StatusCode::kUnimplemented, "expected POST, got {}", request.method), 405);
-    response.fields.emplace_back("allow", "POST");
-    return response;
+    return ConnectRefusal{
+        Fault(absl::StatusCode::kUnimplemented, "expected POST, got {}", request.method),
+        405,
+        {{"allow", "POST"}}};
   }
   if (!ReadContentType(request.Find("content-type"), parsed)) {
     const bool streams = parsed.method->server_streaming();
     const std::string expected = streams ? "application/connect+json, application/connect+proto"
                                          : "application/json, application/proto";
-    HttpResponse response = UnaryError(
+    parsed.streams = false;  // the error is unary: the client did not ask for envelopes
+    return ConnectRefusal{
         Fault(absl::StatusCode::kInvalidArgument, "content-type: expected one of {}", expected),
-        415);
-    response.fields.emplace_back("accept-post", expected);
-    return response;
+        415,
+        {{"accept-post", expected}}};
   }
-  if (const grpc::Status fault = ReadFields(request, parsed); !fault.ok()) {
-    HttpResponse response = ErrorResponse(parsed, fault);
-    response.fields.emplace_back(parsed.streams ? "connect-accept-encoding" : "accept-encoding",
-                                 "gzip");
-    return response;
+  if (grpc::Status fault = ReadFields(request, parsed); !fault.ok()) {
+    const char* const name = parsed.streams ? "connect-accept-encoding" : "accept-encoding";
+    return ConnectRefusal{std::move(fault), 0, {{name, "gzip"}}};
   }
   parsed.authorization = PrintableAscii(request.Find("authorization"));
-  parsed.request_id = PrintableAscii(request.Find("x-request-id"));
-  return parsed;
+  return std::nullopt;
 }
 
 HttpResponse ErrorResponse(const ConnectRequest& request, const grpc::Status& error,

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "server/http1/http_exchange.h"
 
@@ -24,11 +23,20 @@ struct ConnectRequest {
   std::string request_id;     // of the client; empty if absent
 
   std::string content_type() const;
+  std::string path() const;  // "/motiondb.v1.QueryService/Recognize"
 };
 
-// Returns the request, or the response that refuses it: an unknown path (404), no POST (405), a
-// content type that the method does not have (415), or a Connect error.
-std::variant<ConnectRequest, HttpResponse> ParseConnectRequest(const HttpRequest& request);
+// Why a request is refused.
+struct ConnectRefusal {
+  grpc::Status error;
+  unsigned http_status = 0;  // of a unary response; 0: that of the code
+  HttpFields fields;         // of the response, besides those of every error
+};
+
+// Reads the head into `parsed`, up to the first fault. Returns it: an unknown path (404; `parsed`
+// has no method), no POST (405), a content type that the method does not have (415), or an error.
+std::optional<ConnectRefusal> ParseConnectRequest(const HttpRequest& request,
+                                                  ConnectRequest& parsed);
 
 // Returns the response with an error: JSON, or for a stream its last envelope. `http_status`: of a
 // unary response; 0: that of the code.

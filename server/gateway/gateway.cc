@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -69,20 +70,21 @@ class ConnectHandler final : public HttpHandler {
     if (request.path == kOpenApiPath) return OpenApi(request);
     if (IsSessionRequest(request)) return AnswerSessionRequest(session_, request, exchange);
     if (IsPageRequest(request)) return AnswerPageRequest(page_, request, exchange);
-    auto parsed = ParseConnectRequest(request);
-    if (auto* const refusal = std::get_if<HttpResponse>(&parsed)) return std::move(*refusal);
-    auto& connect = std::get<ConnectRequest>(parsed);
+    ConnectRequest connect;
+    if (auto refusal = ParseConnectRequest(request, connect)) {
+      return Refuse(connect, *std::move(refusal), exchange->peer());
+    }
     // A page of another site whose name resolves to this machine (DNS rebinding) could use the
     // rights of everyone here. A browser sends the name in Host.
     if (is_open_ && !IsLocalName(request.Find("host"))) {
-      return ErrorResponse(
-          connect, ToGrpcStatus(absl::PermissionDeniedError(
-                       "without authentication, expected an address or a local name in Host; set "
-                       "--authentication token")));
+      const absl::Status fault = absl::PermissionDeniedError(
+          "without authentication, expected an address or a local name in Host; set "
+          "--authentication token");
+      return Refuse(connect, {ToGrpcStatus(fault)}, exchange->peer());
     }
     if (session_.host.access.authentication()) {
       const absl::Status allowed = AuthorizeByCookie(request, session_.has_tls, connect);
-      if (!allowed.ok()) return ErrorResponse(connect, ToGrpcStatus(allowed));
+      if (!allowed.ok()) return Refuse(connect, {ToGrpcStatus(allowed)}, exchange->peer());
     }
     return std::make_shared<GatewayCall>(*bridge_, converters_, std::move(connect), exchange);
   }
@@ -90,6 +92,17 @@ class ConnectHandler final : public HttpHandler {
   const CallLimitOptions& options() const { return bridge_->limits.options(); }
 
  private:
+  HttpResponse Refuse(const ConnectRequest& request, ConnectRefusal refusal,
+                      const std::string& peer) const {
+    const grpc::Status error =
+        request.method == nullptr
+            ? refusal.error
+            : bridge_->Refuse(request.path(), refusal.error, request.request_id, peer);
+    HttpResponse response = ErrorResponse(request, error, refusal.http_status);
+    std::ranges::move(refusal.fields, std::back_inserter(response.fields));
+    return response;
+  }
+
   static HttpResponse OpenApi(const HttpRequest& request) {
     if (request.method == "GET" || request.method == "HEAD") {
       return {.fields = {{"content-type", "application/json"}}, .body = std::string(kOpenApiJson)};

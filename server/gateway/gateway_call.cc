@@ -104,13 +104,13 @@ absl::Status GatewayCall::Reserve(std::int64_t bytes) {
 std::optional<HttpResponse> GatewayCall::Admit(std::int64_t body_bytes) {
   const auto extra = static_cast<std::int64_t>(request_.streams ? kMessagePrefixBytes : 0);
   if (const absl::Status size = CheckSize(body_bytes - extra); !size.ok()) {
-    return ErrorResponse(request_, ToGrpcStatus(size), 413);
+    return ErrorResponse(request_, Refusal(size), 413);
   }
   // The memory of compressed bodies also bounds how many of a client wait for a converter.
   const std::int64_t expanded =
       request_.sends_gzip ? std::min(max_body_bytes(), kMaxGzipRatio * body_bytes) : 0;
   if (const absl::Status reserved = Reserve(body_bytes + expanded); !reserved.ok()) {
-    return ErrorResponse(request_, ToGrpcStatus(reserved));
+    return ErrorResponse(request_, Refusal(reserved));
   }
   return std::nullopt;
 }
@@ -202,10 +202,10 @@ absl::StatusOr<std::string> GatewayCall::DecodeMessage(std::string content, bool
 // never frees a call whose message does not arrive, and aborts on metadata with other characters
 // than printable ASCII. Clients cannot set metadata: only these fields are passed.
 void GatewayCall::BeginCall(std::string message) {
-  if (exchange_->draining()) return Finish(StoppingStatus());
+  if (exchange_->draining()) return Finish(Refusal(ServerStopping()));
   if (request_.timeout.has_value()) {
     if (request_.timeout->count() == 0) {  // sent by clients whose deadline has passed
-      return Finish(ToGrpcStatus(core::WithReason(
+      return Finish(Refusal(core::WithReason(
           "CLIENT_DEADLINE", absl::DeadlineExceededError("connect-timeout-ms is 0"))));
     }
     context_.set_deadline(began_ + *request_.timeout);
@@ -221,9 +221,8 @@ void GatewayCall::BeginCall(std::string message) {
   const grpc::Slice slice = SliceOf(std::move(message));
   outgoing_ = grpc::ByteBuffer(&slice, 1);
   self_ = shared_from_this();
-  const std::string path =
-      fmt::format("/{}/{}", request_.method->service()->full_name(), request_.method->name());
-  bridge_.calls.PrepareBidiStreamingCall(&context_, path, {}, this);
+  begun_ = true;
+  bridge_.calls.PrepareBidiStreamingCall(&context_, request_.path(), {}, this);
   AddHold();
   holding_ = reading_ = writing_ = true;
   StartRead(&incoming_);
@@ -349,9 +348,15 @@ void GatewayCall::RespondMessage() {
       });
 }
 
+// Returns the error of a request that does not become a call.
+grpc::Status GatewayCall::Refusal(const absl::Status& fault) const {
+  return bridge_.Refuse(request_.path(), ToGrpcStatus(fault), request_.request_id,
+                        exchange_->peer());
+}
+
 // Ends the request with an error that did not come from the call.
 void GatewayCall::Refuse(const absl::Status& fault) {
-  const grpc::Status status = ToGrpcStatus(fault);
+  const grpc::Status status = begun_ ? ToGrpcStatus(fault) : Refusal(fault);
   if (self_ != nullptr) context_.TryCancel();
   if (too_large_) {
     detached_ = true;

@@ -57,6 +57,7 @@ class GatewayCall final : public HttpWork,
   void ReleaseHold();
   void Finish(const grpc::Status& status);
   void RespondMessage();
+  grpc::Status Refusal(const absl::Status& fault) const;
   void Refuse(const absl::Status& fault);
   absl::Status CheckSize(std::int64_t bytes);
   absl::Status Reserve(std::int64_t bytes);
@@ -74,6 +75,7 @@ class GatewayCall final : public HttpWork,
   std::shared_ptr<GatewayCall> self_;
   grpc::ByteBuffer outgoing_;
   grpc::ByteBuffer incoming_;
+  bool begun_ = false;
   bool reading_ = false;
   bool writing_ = false;
   bool read_ended_ = false;
@@ -83,7 +85,6 @@ class GatewayCall final : public HttpWork,
   bool too_large_ = false;              // the request; otherwise an error is that of the memory
   std::optional<std::string> message_;  // of a unary response
   bool streaming_ = false;              // the head of a stream is sent
-  std::optional<grpc::Status> status_;  // set when the call is done
 };
 
 }  // namespace motiondb::server

@@ -330,6 +330,9 @@ void CallStream::End(const grpc::Status& status) {
 
 void CallStream::Refuse(const grpc::Status& status) {
   if (std::exchange(refused_, true)) return;
+  if (self_ == nullptr && !ended_) {
+    return End(bridge_.Refuse(path_, status, PrintableAscii(request_id_), host_->peer()));
+  }
   Cancel();
   answer_.clear();
   End(status);

@@ -7,10 +7,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <boost/asio/post.hpp>
 #include <cerrno>
 #include <csignal>
 #include <latch>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -26,7 +28,7 @@ using boost::asio::ip::tcp;
 constexpr rlim_t kMaxDescriptors = 65'536;
 constexpr int kOtherDescriptors = 64;  // for files of the store, wake-ups of threads, HTTP
 constexpr std::chrono::milliseconds kAcceptRetry{100};  // if no connection can be accepted
-constexpr int kMaxAcceptedPerTurn = 256;
+constexpr int kMaxAcceptedPerTurn = 64;
 constexpr std::chrono::seconds kTick{1};
 constexpr std::chrono::minutes kWarningInterval{1};
 
@@ -157,12 +159,26 @@ void Listener::Await(Acceptor& acceptor) {
 }
 
 void Listener::Accept(Acceptor& acceptor) {
-  if (AcceptWaiting(acceptor)) return Await(acceptor);
+  if (AcceptWaiting(acceptor)) return AwaitLoops(acceptor);
   accept_retry_.expires_after(kAcceptRetry);
   accept_retry_.async_wait(
       [this, &acceptor](const auto&) {  // also if another acceptor restarted the timer
         if (!draining_) Await(acceptor);
       });
+}
+
+// Continues when each loop has begun its connections: a loop that is behind must not collect more.
+void Listener::AwaitLoops(Acceptor& acceptor) {
+  if (loops_.size() == 1) return Await(acceptor);
+  const auto behind = std::make_shared<std::atomic<std::size_t>>(loops_.size());
+  for (const auto& loop : loops_) {
+    boost::asio::post(loop->context, [this, &acceptor, behind] {
+      if (--*behind > 0) return;
+      boost::asio::post(loops_.front()->context, [this, &acceptor] {
+        if (!draining_) Await(acceptor);
+      });
+    });
+  }
 }
 
 // Accepts many waiting clients in one turn of the event loop, so that a busy loop does not leave

@@ -81,6 +81,7 @@ class Listener {
   absl::Status Listen(const std::string& listen);
   void Await(Acceptor& acceptor);
   void Accept(Acceptor& acceptor);
+  void AwaitLoops(Acceptor& acceptor);
   bool AcceptWaiting(Acceptor& acceptor);
   void Admit(int descriptor, const boost::asio::ip::tcp::endpoint& client);
   void Begin(Loop& loop, int descriptor, const boost::asio::ip::tcp::endpoint& client);

@@ -77,12 +77,15 @@ std::string AddressOf(const std::string& peer) {
   return std::string(text);
 }
 
-std::string RequestIdOf(const grpc::CallbackServerContext& context) {
-  std::string sent_id = Header(context, "x-request-id");
+std::string UsableRequestId(const std::string& sent_id) {
   const bool usable = !sent_id.empty() && sent_id.size() <= kMaxRequestIdLength &&
                       std::ranges::all_of(sent_id, absl::ascii_isgraph) &&
                       text::RedactSecrets(sent_id) == sent_id;
   return usable ? sent_id : NewRequestId();
+}
+
+std::string RequestIdOf(const grpc::CallbackServerContext& context) {
+  return UsableRequestId(Header(context, "x-request-id"));
 }
 
 }  // namespace motiondb::server

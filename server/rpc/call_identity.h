@@ -53,8 +53,9 @@ std::string PeerOf(const grpc::CallbackServerContext& context);
 // "ipv6:%5B::1%5D:50000", or "unix".
 std::string AddressOf(const std::string& peer);
 
-// Returns the caller's `x-request-id` if it has 1 to 128 printable characters and no token;
-// otherwise a new id.
+// Returns the id that a client sent (`x-request-id`) if it has 1 to 128 printable characters and no
+// token; otherwise a new id.
+std::string UsableRequestId(const std::string& sent_id);
 std::string RequestIdOf(const grpc::CallbackServerContext& context);
 
 }  // namespace motiondb::server

@@ -36,6 +36,15 @@ absl::Status GetClip(const Call& call, const v1::GetClipRequest& request,
   return SetStoredClip(call, id.database, id.id, *response.mutable_clip());
 }
 
+void SetFacet(const Facet& facet, v1::Facet& message) {
+  message.set_field(facet.field);
+  for (const FacetValue& value : facet.values) {
+    v1::FacetValue& count = *message.add_values();
+    count.set_value(value.value);
+    count.set_clip_count(value.clip_count);
+  }
+}
+
 absl::Status ListClipsPage(const Call& call, const v1::ListClipsRequest& request,
                            v1::ListClipsResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
@@ -44,8 +53,8 @@ absl::Status ListClipsPage(const Call& call, const v1::ListClipsRequest& request
                             Filter::Parse(request.filter(), FilterSubject::kClips));
   MOTIONDB_ASSIGN_OR_RETURN(const ListOrder order,
                             ListOrder::Parse(request.order_by(), FilterSubject::kClips));
-  const std::vector<std::string> names(request.facets().begin(), request.facets().end());
-  MOTIONDB_ASSIGN_OR_RETURN(const auto facets, ParseFacets(names));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto facets,
+                            ParseFacets({request.facets().begin(), request.facets().end()}));
   const std::string scope = fmt::format("{}?{}&{}", ClipName(id, ""), filter.text(), order.Text());
   MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
@@ -63,15 +72,7 @@ absl::Status ListClipsPage(const Call& call, const v1::ListClipsRequest& request
     response.set_next_page_token(EncodePageToken(scope, order.KeyOf(*listed.clips[taken - 1])));
   }
   response.set_total_count(static_cast<int>(listed.total_count));
-  for (const Facet& facet : listed.facets) {
-    v1::Facet& to = *response.add_facets();
-    to.set_field(facet.field);
-    for (const FacetValue& value : facet.values) {
-      v1::FacetValue& count = *to.add_values();
-      count.set_value(value.value);
-      count.set_clip_count(value.clip_count);
-    }
-  }
+  for (const Facet& facet : listed.facets) SetFacet(facet, *response.add_facets());
   return absl::OkStatus();
 }
 
@@ -86,6 +87,8 @@ absl::Status SearchClips(const Call& call, const v1::SearchClipsRequest& request
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
   MOTIONDB_ASSIGN_OR_RETURN(const Filter filter,
                             Filter::Parse(request.filter(), FilterSubject::kClips));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto facets,
+                            ParseFacets({request.facets().begin(), request.facets().end()}));
   const std::string scope =
       fmt::format("{}?{}&{}", ClipName(id, ""), filter.text(), request.query());
   MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
@@ -93,11 +96,15 @@ absl::Status SearchClips(const Call& call, const v1::SearchClipsRequest& request
   auto matches = call.engine.store().annotations().SearchClips(id, request.query());
   if (!matches.ok()) return core::AtField("query", matches.status());
   MOTIONDB_ASSIGN_OR_RETURN(const auto catalog, live->Catalog(call.engine.store().annotations()));
+  std::vector<FacetCounter> counters(facets.begin(), facets.end());
   std::vector<storage::TextMatch> passing;
   for (storage::TextMatch& match : *matches) {
     const CatalogClip* const clip = catalog->Find(match.clip);
-    if (clip != nullptr && filter.Passes(*clip)) passing.push_back(std::move(match));
+    if (clip == nullptr || !filter.Passes(*clip)) continue;
+    for (FacetCounter& counter : counters) counter.Add(*clip);
+    passing.push_back(std::move(match));
   }
+  for (const FacetCounter& counter : counters) SetFacet(counter.Counts(), *response.add_facets());
   // Best first; equal scores in order of name, so that pages continue each other.
   std::ranges::sort(passing, [](const auto& a, const auto& b) {
     return a.score != b.score ? a.score > b.score : a.clip < b.clip;

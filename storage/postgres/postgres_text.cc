@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "text/utf8.h"
+
 namespace motiondb::storage {
 namespace {
 
@@ -12,39 +14,13 @@ unsigned ByteAt(std::string_view bytes, std::size_t place) {
   return place < bytes.size() ? static_cast<unsigned char>(bytes[place]) : 0;
 }
 
-// Returns the length of the character at the beginning; 0 if it is not valid UTF-8 (Unicode 15,
-// table 3-7).
-std::size_t CharacterLength(std::string_view bytes) {
-  const unsigned first = ByteAt(bytes, 0);
-  if (first < 0x80) return 1;
-  std::size_t length = 0;
-  unsigned low = 0x80;  // limits of the second byte
-  unsigned high = 0xbf;
-  if (first >= 0xc2 && first <= 0xdf) {
-    length = 2;
-  } else if (first >= 0xe0 && first <= 0xef) {
-    length = 3;
-    if (first == 0xe0) low = 0xa0;
-    if (first == 0xed) high = 0x9f;
-  } else if (first >= 0xf0 && first <= 0xf4) {
-    length = 4;
-    if (first == 0xf0) low = 0x90;
-    if (first == 0xf4) high = 0x8f;
-  }
-  if (length == 0 || ByteAt(bytes, 1) < low || ByteAt(bytes, 1) > high) return 0;
-  for (std::size_t i = 2; i < length; ++i) {
-    if ((ByteAt(bytes, i) & 0xc0) != 0x80) return 0;
-  }
-  return length;
-}
-
 }  // namespace
 
 std::string ToPostgresText(std::string_view bytes) {
   std::string text;
   text.reserve(bytes.size());
   while (!bytes.empty()) {
-    std::size_t length = CharacterLength(bytes);
+    std::size_t length = text::FirstCharacter(bytes).bytes;
     if (length == 0) {
       length = 1;
       const unsigned byte = ByteAt(bytes, 0);

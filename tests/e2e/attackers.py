@@ -25,7 +25,7 @@ class Attack:
     script: typing.Callable
     reads: bool = True  # reads the server's bytes
     sockets: int = 1  # per attacker
-    http: bool = False  # attacks the HTTP port
+    port: str = "listen"  # listen: gRPC; web: the HTTP API; http: metrics and probes
     tls: bool = True  # does a TLS handshake if the port uses TLS; otherwise writes to the bare socket
     max_attackers: int = 1000
     allowed: bool = False  # the server must not end these connections
@@ -40,10 +40,11 @@ class Aim:
     database: str
 
 
-def context():
+def context(protocol):
+    """TLS for "h2" or "http/1.1"."""
     tls = ssl.create_default_context()
     tls.check_hostname, tls.verify_mode = False, ssl.CERT_NONE
-    tls.set_alpn_protocols(["h2"])
+    tls.set_alpn_protocols([protocol])
     return tls
 
 

@@ -3,12 +3,13 @@
 
     edit_kill_test.py MOTIONDBD MOTIONDB DATA_FOLDER [--edits N] [--kills N] [--seed S]
 
-Eight clients create N segments (default 1000) with ids of their own, relabel a part of them with the etag that they
-read, and count in a field of one clip. SIGKILL is sent at random moments; a new server on the same store continues.
-A client repeats what was not acknowledged. A watch that reconnects must build the same state as the lists.
+Eight clients of the HTTP API create N segments (default 1000) with ids of their own, relabel a part of them with the
+etag that they read, and count in a field of one clip. SIGKILL is sent at random moments; a new server on the same store
+continues. A client repeats what was not acknowledged. A watch that reconnects must build the same state as the lists.
 """
 
 import argparse
+import http.client
 import json
 import os
 import random
@@ -18,6 +19,8 @@ import sys
 import tempfile
 import threading
 import time
+import urllib.error
+import urllib.request
 
 from figure import write_bvh
 from programs import MOTIONDB, SLOWNESS, Server
@@ -30,35 +33,47 @@ class Store:
 
     def __init__(self, folder):
         self.path = os.path.join(folder, "motion.db")
-        self.server = Server(self.path)
+        self.server = Server(self.path, "--web-listen", "127.0.0.1:0")
         self.address = self.server.address
+        self.web = self.server.web
         self.kills = 0
 
     def kill(self):
         self.server.stop(signal.SIGKILL)
         self.kills += 1
         for _ in range(100):  # the address may be in use for a moment
-            self.server = Server(self.path, address=self.address)
+            web_address = self.web.removeprefix("http://")
+            self.server = Server(self.path, "--web-listen", web_address, address=self.address)
             if self.server.process.poll() is None and self.server.address == self.address:
                 return
             time.sleep(0.1)
         raise AssertionError("the server does not start again")
 
-    def run(self, *arguments):
-        return subprocess.run([MOTIONDB, "--server", self.address, "--json", *arguments], capture_output=True,
-                              text=True)
+    def ask(self, *arguments):
+        return self.server.ask(*arguments)
 
-    def until_answered(self, *arguments):
-        """Repeats a call until a server answers it. Returns code and the objects of the answer, or the error."""
+    def call(self, method, request):
+        """Repeats a call until a server answers it. Returns the answer and an empty code, or an empty answer and the
+        code of the error."""
+        body = json.dumps(request).encode()
+        headers = {"Content-Type": "application/json"}
         while True:
-            result = self.run(*arguments)
-            if result.returncode == 0:
-                return 0, [json.loads(line) for line in result.stdout.splitlines() if line.strip()]
-            # What clients report of a server that was killed before, during or after a call.
-            lost = ("is not available", "no motiondb server answered")
-            if not any(words in result.stderr for words in lost):
-                return result.returncode, result.stderr
+            try:
+                call = urllib.request.Request(f"{self.web}/motiondb.v1.{method}", body, headers)
+                with urllib.request.urlopen(call, timeout=60 * SLOWNESS) as answer:
+                    return json.load(answer), ""
+            except urllib.error.HTTPError as error:
+                code = json.load(error)["code"]
+                if code != "unavailable":
+                    return {}, code
+            except (OSError, http.client.HTTPException):
+                pass  # the server was killed before, during or after the call
             time.sleep(0.05)
+
+    def answer(self, method, request):
+        answer, code = self.call(method, request)
+        assert code == "", f"{method}: {code}"
+        return answer
 
 
 class Editor(threading.Thread):
@@ -89,12 +104,12 @@ class Editor(threading.Thread):
     def create(self, k):
         """A track of its own for each client: segments of one track do not overlap."""
         name, label = f"e{self.number}-{k}", f"label{k % 7}"
-        start = k * 0.01
-        code, answer = self.store.until_answered(
-            "segments", "add", "d", f"clip{k % 4}", "--from", f"{start:.2f}", "--to", f"{start + 0.01:.2f}",
-            "--label", label, "--track", f"track{self.number}", "--id", name)
-        if code != 0:  # stored, but the acknowledgement was lost
-            assert "ALREADY_EXISTS" in answer or "has" in answer, answer
+        segment = {"label": label, "track": f"track{self.number}", "startSeconds": k * 0.01,
+                   "endSeconds": (k + 1) * 0.01}
+        _, code = self.store.call("SegmentService/CreateSegment", {
+            "parent": f"databases/d/clips/clip{k % 4}", "segment": segment, "segmentId": name})
+        if code:  # stored, but the acknowledgement was lost
+            assert code == "already_exists", code
             self.repeated += 1
         self.labels[f"clip{k % 4}/{name}"] = label
 
@@ -102,31 +117,37 @@ class Editor(threading.Thread):
         """Nobody else changes the segment: with its etag the change happens once or not at all."""
         name = self.random.choice(sorted(self.labels))
         label = f"new{self.random.randrange(1000)}"
+        clip, segment_id = name.split("/")
+        resource = f"databases/d/clips/{clip}/segments/{segment_id}"
         while True:
-            _, found = self.store.until_answered("segments", "list", "d", "--clip", name.split("/")[0])
-            segment, = [each for each in found if each["name"].endswith("/" + name.split("/")[1])]
+            listed = self.store.answer("SegmentService/ListSegments", {
+                "parent": f"databases/d/clips/{clip}", "pageSize": 1000})["segments"]
+            segment, = [each for each in listed if each["name"] == resource]
             if segment["label"] == label:
                 break
-            code, _ = self.store.until_answered("segments", "update", "d", name, "--label", label, "--etag",
-                                                segment["etag"])
-            if code == 0:
+            change = {"name": resource, "label": label, "etag": segment["etag"]}
+            _, code = self.store.call("SegmentService/UpdateSegment", {"segment": change, "updateMask": "label"})
+            if not code:
                 break
+            assert code == "aborted", code
         self.labels[name] = label
 
     def count(self):
         """Adds one to a field that all clients change: a lost update would lose a count."""
+        mine = f"c{self.number}"
+        resource = "databases/d/clips/clip0"
         while True:
-            _, clips = self.store.until_answered("list", "d", "--filter", "name = clip0")
-            clip, = clips
+            clip = self.store.answer("ClipService/GetClip", {"name": resource})["clip"]
             fields = {name: value["number"] for name, value in clip.get("fields", {}).items()}
-            mine = f"c{self.number}"
             if fields.get(mine, 0) == self.counted + 1:  # an acknowledgement was lost
                 break
-            code, _ = self.store.until_answered("update", "d", "clip0", "--field", f"{mine}={self.counted + 1}",
-                                                "--field", f"sum={int(fields.get('sum', 0)) + 1}", "--etag",
-                                                clip["etag"])
-            if code == 0:
+            changed = {mine: {"number": self.counted + 1}, "sum": {"number": fields.get("sum", 0) + 1}}
+            change = {"name": resource, "etag": clip["etag"], "fields": changed}
+            _, code = self.store.call("ClipService/UpdateClip", {
+                "clip": change, "updateMask": f"fields.{mine},fields.sum"})
+            if not code:
                 break
+            assert code == "aborted", code
         self.counted += 1
 
 
@@ -164,9 +185,8 @@ def main():
         for k in range(4):
             files.append(os.path.join(folder, f"clip{k}.bvh"))
             write_bvh(files[-1], k, frames=120)
-        assert store.run("create", "d", "--marker-set", "source").returncode == 0
-        ingested = store.run("ingest", "d", *files, "--label", "walk")
-        assert ingested.returncode == 0, ingested.stderr
+        store.ask("create", "d", "--marker-set", "source")
+        store.ask("ingest", "d", *files, "--label", "walk")
         state = {"done": False, "objects": {}, "revision": 0, "process": None}
         follower = threading.Thread(target=watch, args=(store, state), daemon=True)
         follower.start()
@@ -185,14 +205,14 @@ def main():
                 store.kill()
 
         expected = {name: label for editor in editors for name, label in editor.labels.items()}
-        _, listed = store.until_answered("segments", "list", "d", "--filter", "NOT track = action")
+        listed = store.ask("segments", "list", "d", "--filter", "NOT track = action")
         found = {each["name"].split("/clips/")[1].replace("/segments/", "/"): each["label"] for each in listed}
         assert found == expected, f"lost or changed: {set(expected.items()) ^ set(found.items())}"
-        _, clips = store.until_answered("list", "d", "--filter", "name = clip0")
+        clips = store.ask("list", "d", "--filter", "name = clip0")
         counted = sum(editor.counted for editor in editors)
         assert clips[0]["fields"]["sum"]["number"] == counted, (clips[0]["fields"], counted)
         # The last changes reach the watch.
-        _, current = store.until_answered("watch", "d", "--until-current")
+        current = store.ask("watch", "d", "--until-current")
         latest = time.monotonic() + 30 * SLOWNESS
         while state["revision"] < int(current[-1]["revision"]) and time.monotonic() < latest:
             time.sleep(0.1)
@@ -200,11 +220,10 @@ def main():
         if state["process"]:
             state["process"].terminate()
         follower.join()
-        _, everything = store.until_answered("segments", "list", "d")
+        everything = store.ask("segments", "list", "d")
         watched = {name: each for name, each in state["objects"].items() if "/segments/" in name}
         assert watched == {each["name"]: each for each in everything}, "the watch missed a change"
-        verified = store.run("verify")
-        assert verified.returncode == 0, verified.stdout + verified.stderr
+        store.ask("verify")
         store.server.stop()
         print(f"{len(expected)} segments, {counted} counts, {store.kills} kills, "
               f"{sum(editor.repeated for editor in editors)} lost acknowledgements: no edit lost or repeated")

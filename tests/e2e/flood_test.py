@@ -69,9 +69,12 @@ def measure(name, measured, options, group):
     measured.start()
     steady = SteadyClient(options.steady_client, measured)
     measured.forget_peak()
-    address = host_and_port(measured.server.http if attack.http else measured.server.address)
-    aim = Aim(address, None if options.plain or attack.http else context(), measured.token,
-              "motion")
+    addresses = {"listen": measured.server.address, "web": measured.server.web,
+                 "http": measured.server.http}
+    tls = None
+    if not options.plain and attack.port != "http":
+        tls = context("http/1.1" if attack.port == "web" else "h2")
+    aim = Aim(host_and_port(addresses[attack.port]), tls, measured.token, "motion")
     attackers = Attackers(attack, aim, options.connections, seconds, ATTACKER_CORES, group)
     livez = Livez(host_and_port(measured.server.http))
     peak = watch(measured, seconds)

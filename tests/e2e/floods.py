@@ -1,6 +1,7 @@
 """Attacks on the ports of motiondbd, by name: the bytes of each attack on one connection
 (attackers.py)."""
 
+import gzip
 import itertools
 import struct
 
@@ -163,6 +164,11 @@ def handshakes(_connection, _aim):
     yield START
 
 
+def half_hello(_connection, _aim):
+    """Begins handshakes and disconnects."""
+    yield CLIENT_HELLO
+
+
 # The beginning of a ClientHello of 512 bytes.
 CLIENT_HELLO = bytes.fromhex("16030102000100" "01fc0303") + bytes(range(32))
 SETTINGS_FRAME = frame(SETTINGS, 0, 0, struct.pack(">HI", INITIAL_WINDOW_SIZE, 65535))
@@ -175,6 +181,20 @@ GARBAGE = bytes(i * 7919 % 251 for i in range(4096))
 HTTP = b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n"
 REQUEST = HTTP + b"\r\n"
 HTTP_FIELD = b"X-Field: " + b"v" * 1000 + b"\r\n"
+PAGE = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
+
+
+def json_call(body, length, encoding="identity"):
+    """A call of the HTTP API that announces a body of `length` bytes."""
+    return (f"POST /motiondb.v1.DatabaseService/ListDatabases HTTP/1.1\r\nHost: localhost\r\n"
+            f"Content-Type: application/json\r\nContent-Encoding: {encoding}\r\n"
+            f"Content-Length: {length}\r\n\r\n").encode() + body
+
+
+CALL = json_call(b"{}", 2)
+DEEP = json_call(b'{"a":' * 100_000, 500_000)
+ZIPPED = gzip.compress(b'{"page_token":"' + bytes(64 << 20) + b'"}')
+BOMB = json_call(ZIPPED, len(ZIPPED), "gzip")
 
 ATTACKS = {
     "continuation-plain": Attack(continuation(PLAIN)),
@@ -215,16 +235,27 @@ ATTACKS = {
     "garbage": Attack(repeat(GARBAGE, GARBAGE)),
     "garbage-without-tls": Attack(repeat(GARBAGE, GARBAGE), tls=False),
     "http1": Attack(repeat(REQUEST, REQUEST)),
-    "http-slow-headers": Attack(byte_by_byte(HTTP + b"X: ", 0.5), http=True, sockets=64),
-    "http-large-headers": Attack(repeat(HTTP_FIELD, HTTP), http=True),
-    "http-long-line": Attack(repeat(b"v" * 65536, HTTP + b"X: "), http=True),
-    "http-many-connections": Attack(once(HTTP), http=True, sockets=250),
-    "http-requests": Attack(repeat(REQUEST, REQUEST), http=True),
-    "http-requests-unread": Attack(repeat(REQUEST, REQUEST), http=True, reads=False),
+    "http-slow-headers": Attack(byte_by_byte(HTTP + b"X: ", 0.5), port="http", sockets=64),
+    "http-large-headers": Attack(repeat(HTTP_FIELD, HTTP), port="http"),
+    "http-long-line": Attack(repeat(b"v" * 65536, HTTP + b"X: "), port="http"),
+    "http-many-connections": Attack(once(HTTP), port="http", sockets=250),
+    "http-requests": Attack(repeat(REQUEST, REQUEST), port="http"),
+    "http-requests-unread": Attack(repeat(REQUEST, REQUEST), port="http", reads=False),
+    "web-slow-headers": Attack(byte_by_byte(HTTP + b"X: ", 0.5), port="web", sockets=64),
+    "web-slow-bodies": Attack(byte_by_byte(json_call(b"", 8 << 20), 0.5), port="web", sockets=64),
+    "web-large-headers": Attack(repeat(HTTP_FIELD, HTTP), port="web"),
+    "web-many-connections": Attack(once(HTTP), port="web", sockets=250),
+    "web-half-client-hello": Attack(half_hello, port="web", tls=False),
+    "web-pages": Attack(repeat(PAGE, PAGE), port="web"),
+    "web-pages-unread": Attack(repeat(PAGE, PAGE), port="web", reads=False),
+    "web-calls": Attack(repeat(CALL, CALL), port="web"),
+    "web-calls-unread": Attack(repeat(CALL, CALL), port="web", reads=False),
+    "web-deep-json": Attack(repeat(DEEP, DEEP), port="web"),
+    "web-bombs": Attack(repeat(BOMB, BOMB), port="web"),
 }
 
 MOST_IMPORTANT = [
     "continuation-plain", "continuation-table", "continuation-letters", "metadata-30k-300k",
     "rapid-reset", "allowed-resets", "slow-preface", "partial-messages", "window-update",
     "settings-unread", "ping-unread", "http-slow-headers", "http-large-headers",
-    "http-many-connections"]
+    "http-many-connections", "web-slow-headers", "web-bombs"]

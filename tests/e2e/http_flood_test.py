@@ -4,7 +4,6 @@
     http_flood_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
-import gzip
 import http.client
 import multiprocessing
 import os
@@ -16,7 +15,7 @@ import time
 import unittest
 
 import programs
-from floods import CLIENT_HELLO
+from floods import BOMB, CALL, CLIENT_HELLO, DEEP, PAGE, json_call
 from programs import Server
 from secure_server import Authority
 
@@ -25,19 +24,6 @@ ATTACKER, PROBE = "127.0.0.2", "127.0.0.3"
 SECONDS = 3.0
 MAX_ANSWER_SECONDS = 0.25 if programs.SLOWNESS == 1 else 5
 METRICS = b"GET /metrics HTTP/1.1\r\nHost: test\r\n\r\n"
-PAGE = b"GET / HTTP/1.1\r\nHost: test\r\n\r\n"
-
-
-def call(body, length=None, encoding="identity"):
-    """A call of the HTTP API."""
-    return (f"POST /motiondb.v1.DatabaseService/ListDatabases HTTP/1.1\r\nHost: test\r\n"
-            f"Content-Type: application/json\r\nContent-Encoding: {encoding}\r\n"
-            f"Content-Length: {len(body) if length is None else length}\r\n\r\n").encode() + body
-
-
-CALL = call(b"{}")
-DEEP = call(b'{"a":' * 100_000)
-BOMB = call(gzip.compress(b'{"page_token":"' + bytes(64 * MIB) + b'"}'), encoding="gzip")
 
 
 class Port:
@@ -77,7 +63,7 @@ def slow_headers(port, _request):
 
 def slow_bodies(port, _request):
     """Announces bodies of 8 MiB."""
-    trickle(port.connect, call(b'{"page_token":"', 8 * MIB), b"xxxx")
+    trickle(port.connect, json_call(b'{"page_token":"', 8 * MIB), b"xxxx")
 
 
 def slow_hellos(port, _request):

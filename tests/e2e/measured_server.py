@@ -16,7 +16,7 @@ class Measured:
 
     def __init__(self, folder, plain, group, options):
         self.folder, self.group = folder, group
-        self.options = ["--http-listen", "127.0.0.1:0", *options]
+        self.options = ["--http-listen", "127.0.0.1:0", "--web-listen", "127.0.0.1:0", *options]
         self.store = os.path.join(folder, "motion.db")
         self.client_options, self.token = [], ""
         self.fill()
@@ -51,7 +51,8 @@ class Measured:
         """AssertionError if it listens on a port that it did not announce."""
         self.server = programs.Server(self.store, *self.options, group=self.group)
         self.pid = self.server.process.pid
-        announced = {host_and_port(address)[1] for address in (self.server.address, self.server.http)}
+        announced = {host_and_port(address)[1] for address in
+                     (self.server.address, self.server.http, self.server.web)}
         assert self.listening_ports() == announced, self.listening_ports()
 
     def runs(self):
@@ -94,5 +95,5 @@ class Measured:
 
 
 def host_and_port(address):
-    host, port = address.removeprefix("http://").rsplit(":", 1)
+    host, port = address.split("//")[-1].rsplit(":", 1)
     return host, int(port)

@@ -69,7 +69,7 @@ class TestServer {
                                       const std::string& label, const StickFigure& figure);
   // Waits at most 1 minute until the operation is done.
   v1::Operation Wait(const std::string& operation);
-  // Creates a database `id` with a walk, a squat, a wave, and a model.
+  // Creates a database `id` with a walk, a squat, a wave, and their model, version 1.
   void CreateTrained(const std::string& id);
   v1::DatabaseStatistics Describe(const std::string& id);
 

@@ -3,8 +3,8 @@
 //     client.mjs GENERATED_FOLDER URL
 //
 // Prints what it got as one JSON object.
-import { Code, ConnectError, createClient } from "@connectrpc/connect";
-import { compressionGzip, createConnectTransport } from "@connectrpc/connect-node";
+import { Code, ConnectError, createClient } from '@connectrpc/connect';
+import { compressionGzip, createConnectTransport } from '@connectrpc/connect-node';
 
 const [folder, baseUrl] = process.argv.slice(2);
 const { DatabaseService } = await import(`${folder}/motiondb/v1/database_pb.js`);
@@ -23,13 +23,19 @@ async function errorOf(call) {
       types: connect.details.map((detail) => detail.type),
     };
   }
-  return { code: "none" };
+  return { code: 'none' };
+}
+
+async function messagesOf(stream) {
+  const messages = [];
+  for await (const message of stream) messages.push(message);
+  return messages;
 }
 
 async function results(useBinaryFormat, options) {
   const transport = createConnectTransport({
     baseUrl,
-    httpVersion: "1.1",
+    httpVersion: '1.1',
     useBinaryFormat,
     ...options,
   });
@@ -37,21 +43,17 @@ async function results(useBinaryFormat, options) {
   const clips = createClient(ClipService, transport);
   const store = createClient(StoreService, transport);
   const listed = await databases.listDatabases({}, { timeoutMs: 10_000 });
-  let bytes = 0;
-  for await (const part of store.backupStore({})) {
-    bytes += part.block.length;
-  }
-  let verified = 0;
-  for await (const _ of store.verifyStore({})) verified += 1;
+  const backup = await messagesOf(store.backupStore({}));
+  const verified = await messagesOf(store.verifyStore({}));
   return {
     databases: listed.databases.map((database) => database.name),
-    backupBytes: bytes,
-    verified,
-    notFound: await errorOf(() => databases.getDatabase({ name: "databases/none" })),
-    invalid: await errorOf(() => databases.getDatabase({ name: "x" })),
-    brokenStream: await errorOf(async () => {
-      for await (const _ of clips.exportClip({ name: "databases/none/clips/none" }));
-    }),
+    backupBytes: backup.reduce((bytes, part) => bytes + part.block.length, 0),
+    verified: verified.length,
+    notFound: await errorOf(() => databases.getDatabase({ name: 'databases/none' })),
+    invalid: await errorOf(() => databases.getDatabase({ name: 'x' })),
+    brokenStream: await errorOf(() =>
+      messagesOf(clips.exportClip({ name: 'databases/none/clips/none' })),
+    ),
     clientStream: await errorOf(() => clips.ingestClip((async function* () {})())),
   };
 }

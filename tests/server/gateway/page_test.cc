@@ -9,6 +9,7 @@
 #include "server/gateway/page_files.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"
+#include "tests/support/captured_log.h"
 
 namespace motiondb::tests::page_test {
 namespace {
@@ -186,9 +187,10 @@ TEST_CASE("Page: security headers on every answer", "[server][gateway]") {
   }
 }
 
-TEST_CASE("Page: without a page the HTTP API works", "[server][gateway]") {
+TEST_CASE("Page: without a page the HTTP API works, and the log says so", "[server][gateway]") {
   const TemporaryDirectory empty;
   WebServer server;
+  const CapturedLog log(spdlog::level::info);
   server->options().web_root = empty / "web";
   server->Restart();
   const HttpReply reply = Fetch(server.address(), "/");
@@ -197,6 +199,8 @@ TEST_CASE("Page: without a page the HTTP API works", "[server][gateway]") {
   CHECK(Post(server.address(), "/motiondb.v1.DatabaseService/ListDatabases",
              {{"Content-Type", "application/json"}}, "{}")
             .status == 200);
+  server->Stop();
+  CHECK(log.text().find("web page not installed, HTTP API only") != std::string::npos);
 }
 
 TEST_CASE("PageFiles: limits", "[server][gateway]") {

@@ -345,6 +345,26 @@ TEST_CASE("SearchClips: words of titles, labels and file names", "[server][rpc]"
   CHECK(count("squat*") == 1);
   CHECK(count("bvh") == 2);
   CHECK(count("bvh", "label = squatting") == 1);
+  // The values of all matches are counted, not only those of the page, and of no other clip.
+  request.add_facets("label");
+  request.set_page_size(1);
+  const auto labels = [&](const std::string& query, const std::string& filter) {
+    request.set_query(query);
+    request.set_filter(filter);
+    const auto found = Ask(*db.clips, &Clips::SearchClips, request);
+    REQUIRE(found.response.facets_size() == 1);
+    std::string text;
+    for (const v1::FacetValue& value : found.response.facets(0).values()) {
+      text += value.value() + " " + std::to_string(value.clip_count()) + ";";
+    }
+    return text;
+  };
+  CHECK(labels("bvh", "") == "squatting 1;walking 1;");
+  CHECK(labels("bvh", "label = squatting") == "squatting 1;");
+  CHECK(labels("cafe", "") == "walking 1;");
+  request.add_facets("nothing");
+  CHECK(ViolatedFields(Ask(*db.clips, &Clips::SearchClips, request).status) == "facets");
+  request.clear_facets();
   request.set_query("");
   CHECK(ViolatedFields(Ask(*db.clips, &Clips::SearchClips, request).status) == "query");
 }

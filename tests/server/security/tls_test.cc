@@ -1,7 +1,9 @@
 // A server with TLS in this process: accepted clients, and changes of the files.
 #include <grpcpp/create_channel.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
@@ -9,6 +11,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <thread>
 
 #include "motiondb/v1/access.grpc.pb.h"
@@ -102,21 +105,51 @@ TEST_CASE("TLS: the client must trust the server's authority", "[security]") {
   CHECK(!plain->WaitForConnected(std::chrono::system_clock::now() + milliseconds(500)));
 }
 
+// Counts the reloads that the log reports as refused, once for each new error. Must outlive the
+// server.
+class RefusedReloads {
+ public:
+  RefusedReloads() {
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("reloads", lines_));
+  }
+  ~RefusedReloads() { spdlog::set_default_logger(former_); }
+
+  // Waits for so many; false after 30 s.
+  bool Await(int count) const {
+    const auto end = std::chrono::steady_clock::now() + seconds(30);
+    while (std::chrono::steady_clock::now() < end) {
+      const auto lines = lines_->last_formatted();
+      const auto is_refused = [](const std::string& line) {
+        return line.find("cannot reload") != std::string::npos;
+      };
+      if (std::ranges::count_if(lines, is_refused) >= count) return true;
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    return false;
+  }
+
+ private:
+  const std::shared_ptr<spdlog::logger> former_ = spdlog::default_logger();
+  const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> lines_ =
+      std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(100);
+};
+
 TEST_CASE("TLS: a running server loads new certificates, but not invalid ones", "[security]") {
+  const RefusedReloads refused;
   TlsServer server(false);
+  spdlog::set_level(spdlog::level::warn);
   const Authority next(server.directory / "", "next");
   REQUIRE(server.Connects(server.servers));
   CHECK(!server.Connects(next));
 
-  // A key that does not match the certificate, for longer than the interval of the watch.
+  // A key that does not match the certificate.
   const KeyPairFiles other = next.Issue("other", "localhost");
-  const std::string good_key = ReadFile(server.pair.key);
   std::filesystem::copy_file(other.key, server.pair.key,
                              std::filesystem::copy_options::overwrite_existing);
-  std::this_thread::sleep_for(seconds(3));
+  CHECK(refused.Await(1));
   CHECK(server.Connects(server.servers));
   std::ofstream(server.pair.key) << "no key at all";
-  std::this_thread::sleep_for(milliseconds(2500));
+  CHECK(refused.Await(2));
   CHECK(server.Connects(server.servers));
 
   next.Issue("server", "localhost");

@@ -152,7 +152,7 @@ TEST_CASE("PostgresConnection: PostgreSQL that hangs is noticed, and found again
       storage::InTransaction(*sends, Transaction::Kind::kWrite, [&](storage::Connection& it) {
         begun.set_value();
         suspended.get_future().wait();
-        lost[4] = Time([&] { return it.Query("SELECT ?", std::string(32 << 20, 'x')).Run(); });
+        lost[4] = Time([&] { return it.Query("SELECT ?", std::string(4 << 20, 'x')).Run(); });
         return lost[4].status;
       }).IgnoreError();
     });

@@ -4,11 +4,11 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { newPage } from './support/browser.mjs';
 import { checkLines, recordCharts } from './support/charts.mjs';
-import { distance, placesOfInstances, recordDrawing, whenDrawn } from './support/drawing.mjs';
+import { distance } from './support/drawing.mjs';
 import { storeKnown } from './support/known.mjs';
 import { call } from './support/server.mjs';
 import { setup } from './support/setup.mjs';
-import { readMap } from './support/state_map.mjs';
+import { placesOf, readMap, wholeMapEye } from './support/state_map.mjs';
 import { motionOf } from './support/stream.mjs';
 
 const kDatabase = 'databases/known';
@@ -155,31 +155,33 @@ async function checkPath(page, observed) {
   const path = paths[0].nodeIds.filter((id, i, all) => id !== all[i - 1]);
   assert.ok(path.length > 1, `a path of several nodes: ${path}`);
   await page.getByText(`Path: ${path.join(', ')}`, { exact: true }).waitFor();
-  const { ids, means } = await readMap('known', layer, 10_000);
-  const at = (id) => means.slice(3 * ids.indexOf(id), 3 * ids.indexOf(id) + 3);
-  const middles = path
-    .slice(1)
-    .flatMap((id, i) => at(id).map((value, k) => (value + at(path[i])[k]) / 2));
+  const map = await readMap('known', layer, 10_000);
+  const { width, height } = await page.locator('.path-map canvas').boundingBox();
+  const places = placesOf(map, wholeMapEye(width, height), width, height);
+  const at = (id) => places[map.ids.indexOf(id)];
   const next = nextNodes[0].nodeId;
   const marked = [...new Set([...path, next])];
-  await whenDrawn(page, '.path-map canvas', (drawn) => {
-    const drawnAt = (places, what) => {
-      const away = drawn.map((each) => distance(placesOfInstances(each), places));
-      const nearest = Math.min(...away);
-      assert.ok(nearest < 1e-4, `${what}: ${nearest} away`);
-      return drawn[away.indexOf(nearest)];
-    };
-    drawnAt(middles, 'steps of the path');
-    const { instanceColors } = drawnAt(marked.flatMap(at), 'nodes of the path and the next one');
-    // In the light theme the path is brown, the next node blue.
-    for (const [i, node] of marked.entries()) {
-      const [red, , blue] = instanceColors.slice(3 * i, 3 * i + 3);
-      assert.ok(
-        node === next ? blue > 2 * red : red > 2 * blue,
-        `colour of node ${node}: ${red}, ${blue}`,
-      );
-    }
-  });
+  const emphasis = page.locator('.path-map .map-emphasis');
+  const circles = emphasis.locator('circle');
+  await circles.nth(marked.length - 1).waitFor();
+  const drawn = await circles.evaluateAll((all) =>
+    all.map((circle) => ({
+      place: [circle.cx.baseVal.value, circle.cy.baseVal.value],
+      color: getComputedStyle(circle).fill.match(/\d+/g).map(Number),
+    })),
+  );
+  assert.equal(drawn.length, marked.length);
+  // In the light theme the path is brown, the next node blue.
+  for (const [i, node] of marked.entries()) {
+    const { place, color } = drawn[i];
+    const { x, y } = at(node);
+    assert.ok(distance(place, [x, y]) < 0.1, `node ${node}: ${place} instead of ${x}, ${y}`);
+    const [red, , blue] = color;
+    assert.ok(node === next ? blue > red : red > blue, `colour of node ${node}: ${color}`);
+  }
+  const line = await emphasis.locator('path').getAttribute('d');
+  const steps = path.slice(1).map((id, i) => [path[i], id].map(at).flatMap(({ x, y }) => [x, y]));
+  assert.ok(distance(line.match(/[-\d.e]+/g).map(Number), steps.flat()) < 0.1 * steps.length, line);
   const panel = page.getByRole('region', { name: 'Estimation and prediction' });
   const facts =
     `At ${kAt.toFixed(2)} s the motion is in node ${state.nodeId} of layer ${nextLayer} ` +
@@ -253,7 +255,6 @@ test('the answers of a query are those of the server', async (t) => {
   const observed = await observe();
   const windows = await recognize({ observation: observed.all, topCount: 1 });
   const page = await newPage(t, { viewport: { width: 900, height: 700 } });
-  await recordDrawing(page);
   await recordCharts(page);
   const query = new URLSearchParams({ clip: 'jump_b', filter: kFilter, at: kAt, without: 0 });
   await page.goto(`${setup.open}/#/query/known?${query}`);

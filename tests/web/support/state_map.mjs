@@ -47,6 +47,13 @@ export function placesOf({ means, points }, eye, width, height, degrees = 40) {
   return places;
 }
 
+// Where the camera is that shows the whole map in three axes.
+export function wholeMapEye(width, height) {
+  const direction = [0.6, -0.9, 0.55];
+  const reach = 3 / Math.sin((20 * Math.PI) / 180) / Math.min(1, width / height);
+  return direction.map((value) => (value * reach) / Math.hypot(...direction));
+}
+
 // The `count` nodes that are farthest from all others on the canvas, as indices.
 export function clearNodes(places, count) {
   const alone = places.map((place) =>

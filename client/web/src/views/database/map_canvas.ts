@@ -2,14 +2,14 @@ import { arrowOf } from '../../dom/arrow_keys';
 import { element } from '../../dom/element';
 import { FlatCamera, type PicturePlace } from './flat_camera';
 import { strongestTransitions } from './level_of_detail';
-import type { MapAppearance, MapEmphasis, MapPicture } from './map_picture';
+import type { MapPlace } from './map_emphasis';
+import type { MapAppearance, MapPicture } from './map_picture';
 import { parallelMatrix, pick, projectPoints } from './projection';
 import { extentOf, type StateMap } from './state_map';
 
 const kFlatEdges = 2000;
 const kReach = 14;
 const kKeyStep = 30; // px
-const kNoEmphasis: MapEmphasis = { nodes: new Map(), path: [] };
 
 // A map without WebGL: a parallel projection of points, nodes and edges. Drag, fingers and arrow keys
 // move it; the wheel, two fingers, and the keys + and - zoom.
@@ -17,7 +17,6 @@ export class MapCanvas implements MapPicture {
   readonly surface: HTMLCanvasElement;
   private map: StateMap | undefined;
   private appearance: MapAppearance | undefined;
-  private emphasis: MapEmphasis = kNoEmphasis;
   private projected: Float32Array = new Float32Array(0);
   private readonly camera = new FlatCamera();
   private readonly observer: ResizeObserver;
@@ -25,12 +24,13 @@ export class MapCanvas implements MapPicture {
   constructor(
     private readonly host: HTMLElement,
     label: string,
+    private readonly onDrawn: () => void,
   ) {
     this.surface = element('canvas', { tabindex: 0, role: 'img', 'aria-label': label });
     host.append(this.surface);
     this.surface.addEventListener('wheel', (event) => {
       event.preventDefault();
-      this.zoomBy(Math.exp(-event.deltaY / 500), this.placeOf(event));
+      this.zoomBy(Math.exp(-event.deltaY / 500), this.offsetOf(event));
     });
     this.surface.addEventListener('keydown', (event) => {
       this.press(event);
@@ -45,12 +45,6 @@ export class MapCanvas implements MapPicture {
   draw(map: StateMap, appearance: MapAppearance): void {
     this.map = map;
     this.appearance = appearance;
-    this.emphasis = kNoEmphasis;
-    this.redraw();
-  }
-
-  emphasize(emphasis: MapEmphasis): void {
-    this.emphasis = emphasis;
     this.redraw();
   }
 
@@ -60,7 +54,7 @@ export class MapCanvas implements MapPicture {
     return node >= 0 && shown?.[node] === 1 ? node : -1;
   }
 
-  positionOf(node: number): { x: number; y: number } | undefined {
+  placeOf(node: number): MapPlace | undefined {
     const x = this.projected[3 * node];
     const y = this.projected[3 * node + 1];
     return x === undefined || y === undefined || Number.isNaN(x) ? undefined : { x, y };
@@ -95,10 +89,10 @@ export class MapCanvas implements MapPicture {
     surface.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
       surface.setPointerCapture(event.pointerId);
-      camera.down(event.pointerId, this.placeOf(event));
+      camera.down(event.pointerId, this.offsetOf(event));
     });
     surface.addEventListener('pointermove', (event) => {
-      if (camera.move(event.pointerId, this.placeOf(event))) this.redraw();
+      if (camera.move(event.pointerId, this.offsetOf(event))) this.redraw();
     });
     for (const type of ['pointerup', 'pointercancel'] as const)
       surface.addEventListener(type, (event) => {
@@ -111,7 +105,7 @@ export class MapCanvas implements MapPicture {
   }
 
   // Px from the middle of the picture.
-  private placeOf(event: MouseEvent): PicturePlace {
+  private offsetOf(event: MouseEvent): PicturePlace {
     const box = this.surface.getBoundingClientRect();
     return {
       x: event.clientX - box.left - box.width / 2,
@@ -138,7 +132,7 @@ export class MapCanvas implements MapPicture {
     drawDots(context, points, appearance.pointsShown, appearance.pointColors, 1.5);
     this.drawEdges(context, map, appearance);
     drawDots(context, this.projected, appearance.nodesShown, appearance.nodeColors, 5);
-    this.drawEmphasis(context, appearance.textColor);
+    this.onDrawn();
   }
 
   private drawEdges(
@@ -155,24 +149,6 @@ export class MapCanvas implements MapPicture {
       context.beginPath();
       context.moveTo(this.projected[3 * from]!, this.projected[3 * from + 1]!);
       context.lineTo(this.projected[3 * to]!, this.projected[3 * to + 1]!);
-      context.stroke();
-    }
-  }
-
-  private drawEmphasis(context: CanvasRenderingContext2D, textColor: string): void {
-    const { nodes, path } = this.emphasis;
-    context.strokeStyle = textColor;
-    context.lineWidth = 2.5;
-    context.beginPath();
-    for (const node of path)
-      context.lineTo(this.projected[3 * node]!, this.projected[3 * node + 1]!);
-    context.stroke();
-    context.lineWidth = 1.5;
-    for (const [node, color] of nodes) {
-      context.fillStyle = color;
-      context.beginPath();
-      context.arc(this.projected[3 * node]!, this.projected[3 * node + 1]!, 7, 0, 2 * Math.PI);
-      context.fill();
       context.stroke();
     }
   }

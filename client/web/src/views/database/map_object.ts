@@ -18,7 +18,8 @@ import {
   type Edges,
   type Ellipsoids,
 } from './map_meshes';
-import type { MapAppearance, MapEmphasis, MapPicture } from './map_picture';
+import type { MapPlace } from './map_emphasis';
+import type { MapAppearance, MapPicture } from './map_picture';
 import { pick, projectPoints, viewOf, type Axes } from './projection';
 import { extentOf, type StateMap } from './state_map';
 
@@ -33,9 +34,8 @@ const kMovingDots = 15_000;
 export const kSpatialView = 40;
 export const kPlaneView = 4;
 
-// A map in a scene, in at most 7 draw calls: dots for all nodes and frames, ellipsoids for the
-// nodes that look largest, edges by probability, emphasized nodes, their path, and a grid of the
-// first two axes.
+// A map in a scene, in at most 5 draw calls: dots for all nodes and frames, ellipsoids for the
+// nodes that look largest, edges by probability, and a grid of the first two axes.
 export class MapObject implements MapPicture {
   readonly surface: HTMLCanvasElement;
   private readonly group = new Group();
@@ -45,13 +45,19 @@ export class MapObject implements MapPicture {
   private appearance: MapAppearance | undefined;
   private ellipsoids: Ellipsoids | undefined;
   private dots: Points | undefined;
-  private emphasized: Object3D[] = [];
   private axes: Axes | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(private readonly scene: Scene) {
+  constructor(
+    private readonly scene: Scene,
+    onDrawn: () => void,
+  ) {
     this.surface = scene.canvas;
     scene.root.add(this.group);
+    scene.root.onAfterRender = () => {
+      this.watchCamera();
+      onDrawn();
+    };
   }
 
   draw(map: StateMap, appearance: MapAppearance): void {
@@ -72,9 +78,6 @@ export class MapObject implements MapPicture {
     if (appearance.axes === '123' || appearance.axes === '12') this.group.add(grid);
     const dots = createDots(nodes.means, appearance.nodeColors, appearance.nodesShown, 5);
     this.dots = dots;
-    dots.onAfterRender = () => {
-      this.watchCamera();
-    };
     this.ellipsoids = createEllipsoids(
       Math.min(nodes.ids.length, kEllipsoidBudget),
       this.scene.surface(0.45),
@@ -87,26 +90,6 @@ export class MapObject implements MapPicture {
     );
     if (this.axes !== appearance.axes) this.lookAlong(appearance.axes);
     this.updateEllipsoids();
-  }
-
-  emphasize({ nodes, path }: MapEmphasis): void {
-    const { map, appearance } = this;
-    if (!map || !appearance) return;
-    this.remove(this.emphasized);
-    this.emphasized = [];
-    if (nodes.size > 0) {
-      const { radius } = extentOf(map);
-      const mesh = createEllipsoids(nodes.size, this.scene.surface(1));
-      mesh.count = nodes.size;
-      [...nodes].forEach(([node, color], place) => {
-        setEllipsoid(mesh, place, map.nodes, node, 0, 0.022 * radius);
-        mesh.setColorAt(place, new Color(color));
-      });
-      const steps = path.slice(1).map((node, i) => [path[i]!, node, 0.007 * radius] as const);
-      this.emphasized = [mesh, createEdges(map.nodes.means, steps, appearance.textColor, 1)];
-      this.group.add(...this.emphasized);
-    }
-    this.scene.invalidate();
   }
 
   // Looks at the whole map along its axes.
@@ -131,7 +114,7 @@ export class MapObject implements MapPicture {
     return point >= 0 && appearance.pointsShown[point] === 1 ? map.points.nodes[point]! : -1;
   }
 
-  positionOf(node: number): { x: number; y: number } | undefined {
+  placeOf(node: number): MapPlace | undefined {
     if (!this.map) return undefined;
     const [x, y] = this.project(this.map.nodes.means.subarray(3 * node, 3 * node + 3));
     return x === undefined || y === undefined || Number.isNaN(x) ? undefined : { x, y };
@@ -207,7 +190,6 @@ export class MapObject implements MapPicture {
     this.remove([...this.group.children]);
     this.ellipsoids = undefined;
     this.dots = undefined;
-    this.emphasized = [];
   }
 
   private remove(objects: readonly Object3D[]): void {

@@ -6,7 +6,8 @@ import type { ThemeSwitch } from '../../shell/theme';
 import { MapCanvas } from './map_canvas';
 import { mapColors } from './map_colors';
 import { MapObject } from './map_object';
-import type { MapEmphasis, MapPicture } from './map_picture';
+import { EmphasisLayer, type MapEmphasis } from './map_emphasis';
+import type { MapPicture } from './map_picture';
 import type { Axes } from './projection';
 import type { StateMap } from './state_map';
 
@@ -39,6 +40,7 @@ export class MapPanel {
   private picture: MapPicture | undefined;
   private content: MapContent | undefined;
   private emphasis: MapEmphasis | undefined;
+  private readonly layer = new EmphasisLayer();
   private restoreCamera: (() => void) | undefined;
 
   constructor(private readonly options: MapPanelOptions) {}
@@ -46,9 +48,12 @@ export class MapPanel {
   // Creates the picture; the panel must be in the page. `camera` is a text of `onCamera`.
   open(camera: string | null): void {
     const { theme, label, onCamera } = this.options;
+    const onDrawn = () => {
+      this.emphasize();
+    };
     const scene = createScene(this.node, { theme, label });
     if (scene) {
-      this.picture = new MapObject(scene);
+      this.picture = new MapObject(scene, onDrawn);
       this.disposer.add(() => {
         scene.dispose();
       });
@@ -59,9 +64,10 @@ export class MapPanel {
     } else {
       const flat = element('div', { class: 'flat-map' });
       this.node.append(flat);
-      this.picture = new MapCanvas(flat, label);
+      this.picture = new MapCanvas(flat, label, onDrawn);
     }
     const { picture } = this;
+    picture.surface.after(this.layer.node);
     this.disposer.add(() => {
       picture.dispose();
     });
@@ -73,8 +79,7 @@ export class MapPanel {
     this.listen(picture);
   }
 
-  // Colours of the emphasis are names of the style sheet, such as --path. The map is drawn again only
-  // if a value of its content is another one: a map can be large.
+  // The map is drawn again only if a value of its content is another one: a map can be large.
   show(content: MapContent, emphasis: MapEmphasis): void {
     const before = this.content;
     this.content = content;
@@ -115,18 +120,12 @@ export class MapPanel {
       leastProbability: content.leastProbability,
       size: content.size,
       edgeColor: theme.name === 'dark' ? '#e08a80' : '#b03a30',
-      textColor: theme.color('--text'),
     });
-    this.emphasize();
   }
 
   private emphasize(): void {
-    if (!this.emphasis) return;
-    const { nodes, path } = this.emphasis;
-    const colored = [...nodes].map(
-      ([node, name]) => [node, this.options.theme.color(name)] as const,
-    );
-    this.picture?.emphasize({ nodes: new Map(colored), path });
+    const { emphasis, picture } = this;
+    if (emphasis && picture) this.layer.draw(emphasis, (node) => picture.placeOf(node));
   }
 }
 

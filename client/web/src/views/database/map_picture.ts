@@ -1,3 +1,4 @@
+import type { MapPlace } from './map_emphasis';
 import type { Axes } from './projection';
 import type { StateMap } from './state_map';
 
@@ -13,28 +14,16 @@ export interface MapAppearance {
   // Semi-axes in standard deviations.
   size: number;
   edgeColor: string;
-  textColor: string;
 }
 
-// What is drawn above a map.
-export interface MapEmphasis {
-  // Colours of nodes, `#rrggbb`: of a path, or of a chosen node.
-  nodes: ReadonlyMap<number, string>;
-  // Successive nodes joined by a line.
-  path: readonly number[];
-}
-
-// A drawn map, with WebGL or without.
+// A drawn map, with WebGL or without. It calls back after each picture, such as one of a moved camera.
 export interface MapPicture {
   // The element that gets pointer events. Positions below are px from its top left.
   readonly surface: HTMLCanvasElement;
-  // Draws a map without emphasis.
   draw(map: StateMap, appearance: MapAppearance): void;
-  // Replaces the emphasis.
-  emphasize(emphasis: MapEmphasis): void;
   // Index of the node at a position; -1: none.
   nodeAt(x: number, y: number): number;
   // Position of a node; undefined outside the view.
-  positionOf(node: number): { x: number; y: number } | undefined;
+  placeOf(node: number): MapPlace | undefined;
   dispose(): void;
 }

@@ -131,10 +131,38 @@ class Curl(unittest.TestCase):
         status, entries = self.post(server.web, "AccessService/ListAuditEntries", {}, *trusted,
                                     *bearer)
         self.assertEqual({entry["peer"] for entry in entries["entries"]}, {"127.0.0.1"})
+        self.check_cookies(server.web, trusted, token)
         # Plain text at a port with TLS.
         plain = subprocess.run(["curl", "-sS", server.web.replace("https", "http")],
                                capture_output=True)
         self.assertNotEqual(plain.returncode, 0)
+
+    def check_cookies(self, web, trusted, token):
+        """The session of a browser over TLS: its cookie has no name that another host could set."""
+        origin = ("-H", f"Origin: {web.rstrip('/')}")
+        jar = self.path("cookies")
+        status, _ = self.curl(*trusted, *origin, "-D", self.path("head"), "-c", jar,
+                              "-H", "Content-Type: application/json", "--data-binary", "@-",
+                              f"{web}/login", data=json.dumps({"token": token}).encode())
+        self.assertEqual(status, 200)
+        with open(self.path("head")) as head:
+            cookies = [line for line in head if line.lower().startswith("set-cookie:")]
+        self.assertEqual(len(cookies), 1)
+        name, value = cookies[0].split(":", 1)[1].split(";")[0].strip().split("=", 1)
+        self.assertEqual(name, "__Host-motiondb_token")
+        attributes = [part.strip() for part in cookies[0].split(";")[1:]]
+        self.assertEqual(attributes, ["Path=/", "HttpOnly", "SameSite=Strict", "Secure"])
+
+        def list_databases(*arguments):
+            return self.post(web, "DatabaseService/ListDatabases", {}, *trusted, "-H",
+                             "Connect-Protocol-Version: 1", *arguments)
+
+        self.assertEqual(list_databases(*origin, "-b", jar)[0], 200)
+        # The name of a cookie without TLS, which any host could set.
+        self.assertEqual(list_databases(*origin, "-b", f"motiondb_token={value}")[0], 401)
+        plain = ("-H", f"Origin: {web.replace('https', 'http').rstrip('/')}")
+        status, answer = list_databases(*plain, "-b", jar)
+        self.assertEqual((status, answer["code"]), (403, "permission_denied"))
 
     def test_the_openapi_document(self):
         server = self.start()

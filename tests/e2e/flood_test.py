@@ -20,14 +20,14 @@ import programs
 from attackers import Aim, Attackers, context
 from floods import ATTACKS, MOST_IMPORTANT
 from measured_server import MB, Measured, host_and_port
-from steady_clients import Livez, SteadyClient
+from steady_clients import Repeated, SteadyClient, WebClient, livez
 
 PEAK_MB = 300  # resident memory of the server
 SERVER_BYTES = 512 << 20
 ATTACKER_CORES = 0.5
-P99_MS = {"health": 250, "livez": 250, "recognize": 1000}
+P99_MS = {"health": 250, "livez": 250, "recognize": 1000, "web": 1000}
 MAX_MS = 3000  # of any call, and of a new connection with a health check
-ROW = "{:<24}{:>7}{:>9}{:>8}{:>8}{:>7}{:>6}{:>13}{:>13}{:>13}{:>13}{:>6}  {}"
+ROW = "{:<24}{:>7}{:>9}{:>8}{:>8}{:>7}{:>6}{:>13}{:>13}{:>13}{:>13}{:>13}{:>6}  {}"
 
 
 def watch(measured, seconds):
@@ -68,6 +68,9 @@ def measure(name, measured, options, group):
     seconds = max(options.seconds, 6.5) if attack.allowed else options.seconds
     measured.start()
     steady = SteadyClient(options.steady_client, measured)
+    web = WebClient(host_and_port(measured.server.web),
+                    None if options.plain else context("http/1.1"), measured.reader_token,
+                    "databases/motion", measured.motion)
     measured.forget_peak()
     addresses = {"listen": measured.server.address, "web": measured.server.web,
                  "http": measured.server.http}
@@ -76,17 +79,18 @@ def measure(name, measured, options, group):
         tls = context("http/1.1" if attack.port == "web" else "h2")
     aim = Aim(host_and_port(addresses[attack.port]), tls, measured.token, "motion")
     attackers = Attackers(attack, aim, options.connections, seconds, ATTACKER_CORES, group)
-    livez = Livez(host_and_port(measured.server.http))
+    repeated = {"livez": Repeated(livez(host_and_port(measured.server.http))),
+                "web": Repeated(web.recognize)}
     peak = watch(measured, seconds)
     totals = attackers.stop()
-    latencies = {**steady.stop(), "livez": livez.stop()}
+    latencies = steady.stop() | {kind: each.stop() for kind, each in repeated.items()}
     peak = max(peak, watch(measured, 5 if seconds >= 10 else 0.5))
     after, ran = measured.memory("VmRSS"), measured.runs()
     found = problems(attack, peak, totals, latencies, ran)
     if not measured.stop(kill=bool(found)) and not found:
         found = ["it did not exit with 0 on SIGTERM"]
     pairs = [f"{latencies[kind]['p99_ms']:.0f}/{latencies[kind]['max_ms']:.0f}"
-             for kind in ("health", "recognize", "connect", "livez")]
+             for kind in ("health", "recognize", "connect", "livez", "web")]
     print(ROW.format(name, totals[0], f"{totals[1] / MB:.1f}", totals[2], totals[3],
                      f"{peak:.0f}", f"{after:.0f}", *pairs,
                      sum(statistics["failures"] for statistics in latencies.values()),
@@ -146,7 +150,7 @@ def run(options):
           limit(server_group, options, instead="a release build is killed above 512 MiB") as group):
         measured = Measured(folder, options.plain, group, options.server_options)
         print(ROW.format("attack", "conns", "MB sent", "ended", "refused", "peak", "after",
-                         "health", "recognize", "connect", "livez", "fail",
+                         "health", "recognize", "connect", "livez", "web", "fail",
                          "MB of memory; p99/max in ms"), flush=True)
         try:
             kept = [measure(name, measured, options, attackers_group) for name in options.names]

@@ -18,7 +18,7 @@ class Measured:
         self.folder, self.group = folder, group
         self.options = ["--http-listen", "127.0.0.1:0", "--web-listen", "127.0.0.1:0", *options]
         self.store = os.path.join(folder, "motion.db")
-        self.client_options, self.token = [], ""
+        self.client_options, self.token, self.reader_token = [], "", ""
         self.fill()
         if not plain:
             authority = Authority(folder, "authority")
@@ -26,7 +26,7 @@ class Measured:
             self.options += ["--tls-certificate", certificate, "--tls-key", key,
                              "--authentication", "token"]
             self.client_options = ["--tls-ca", authority.certificate, "--token", self.reader]
-            self.token = self.stranger
+            self.token, self.reader_token = self.stranger, self.reader
 
     def fill(self):
         """Creates the database and two tokens, on a server without authentication."""

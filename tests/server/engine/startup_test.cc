@@ -1,5 +1,7 @@
 // Server start: stored models and unfinished operations.
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <thread>
 
 #include "server/engine/snapshot.h"
@@ -17,6 +19,33 @@ storage::OperationRecord WaitForNewest(TestEngine& engine, const std::string& da
   REQUIRE(newest.ok());
   REQUIRE(newest->size() == 1);
   return engine.Wait(newest->front().id);
+}
+
+// Options of an engine whose builds wait until it is stopped.
+server::EngineOptions WithoutBuilds() {
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_delay = options.rebuild_delay_limit = std::chrono::hours(1);
+  return options;
+}
+
+// Returns whether a database without clips is still open: an eviction notifies its listeners.
+bool IsOpen(server::LiveDatabase& database) {
+  std::atomic<bool> is_open = false;
+  const auto subscription = database.signal()->Subscribe([&] { is_open = true; });
+  database.lifecycle().Evict();
+  return is_open;
+}
+
+// Drains the engine, in which `gate` blocks a build of the database `db`. The build continues when
+// the drain has stopped it.
+void DrainDuringBuild(TestEngine& engine) {
+  // A drain stops the databases in the order of their names.
+  const auto last = engine.Create("stopped-after-db");
+  REQUIRE(IsOpen(*last));
+  std::thread draining([&] { engine->Drain(); });
+  while (IsOpen(*last)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  engine.gate().Open();
+  draining.join();
 }
 
 TEST_CASE("Startup: reads the stored model and builds nothing", "[server][startup]") {
@@ -65,14 +94,15 @@ TEST_CASE("Startup: a read-only server serves the stored model and refuses chang
 }
 
 TEST_CASE("Startup: a waiting operation is resumed", "[server][startup]") {
-  auto options = TestEngine::QuickOptions();
-  options.rebuild_delay = std::chrono::milliseconds(500);
-  TestEngine engine(options);
+  TestEngine engine(WithoutBuilds());
   engine.Create("db");
   const auto waiting = engine.Ingest("db", "a", Walk(0))->operation.id;
   engine.Stop();
   engine.Start();
   CHECK(engine->operations().Get(waiting)->state == OperationState::kPending);
+  engine.Stop();
+  engine.set_options(TestEngine::QuickOptions());
+  engine.Start();
   const auto operation = engine.Wait(waiting);
   CHECK(operation.state == OperationState::kSucceeded);
   CHECK(operation.model_version == 1);
@@ -84,12 +114,8 @@ TEST_CASE("Startup: a build stopped by the drain is PENDING and resumed", "[serv
   engine.gate().Close();
   const auto running = engine.Ingest("db", "a", Walk(0))->operation.id;
   engine.gate().AwaitArrival();
-  std::thread stopping([&] { engine->Drain(); });
-  engine.gate().Open();
-  stopping.join();
-  const auto state = engine->operations().Get(running)->state;
-  // The build may have passed its last check of the stop flag.
-  CHECK((state == OperationState::kPending || state == OperationState::kSucceeded));
+  DrainDuringBuild(engine);
+  CHECK(engine->operations().Get(running)->state == OperationState::kPending);
   engine.Stop();
   engine.Start();
   CHECK(engine.Wait(running).state == OperationState::kSucceeded);
@@ -121,13 +147,11 @@ TEST_CASE("Startup: an unreadable model is rebuilt", "[server][startup]") {
 
 TEST_CASE("Startup: with a full disk, stored models are served and rebuilt when there is space",
           "[server][startup]") {
-  auto options = TestEngine::QuickOptions();
-  TestEngine engine(options);
+  TestEngine engine;
   engine.Create("db");
   engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
-  options.rebuild_delay = std::chrono::milliseconds(500);
   engine.Stop();
-  engine.set_options(options);
+  engine.set_options(WithoutBuilds());
   engine.Start();
   const auto last_operation = engine.Ingest("db", "b", Walk(1))->operation.id;
   const bool is_resumed = GENERATE(true, false);
@@ -137,6 +161,9 @@ TEST_CASE("Startup: with a full disk, stored models are served and rebuilt when 
     REQUIRE(engine->CancelOperation(last_operation)->operation.state == OperationState::kCancelled);
   engine.Stop();
 
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_delay = std::chrono::milliseconds(500);
+  engine.set_options(options);
   engine.disk().Set(SimulatedDisk::Lacks::kRoom);
   engine.Start();
   const auto live = *engine->FindDatabase("db");
@@ -162,11 +189,7 @@ TEST_CASE("Startup: two unfinished operations both end, with one model", "[serve
   const auto first = engine.Ingest("db", "a", Walk(0))->operation.id;
   engine.gate().AwaitArrival();
   const auto second = engine.Ingest("db", "b", Walk(1))->operation.id;
-  // The drain has begun when the gate opens, so the build is stopped.
-  std::thread stopping([&] { engine->Drain(); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-  engine.gate().Open();
-  stopping.join();
+  DrainDuringBuild(engine);
   REQUIRE(engine->operations().Get(first)->state == OperationState::kPending);
   engine.Stop();
   engine.Start();

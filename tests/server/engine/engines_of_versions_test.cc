@@ -26,6 +26,16 @@ void ChangeClip(storage::MotionStore& store, const std::string& id, const Change
   REQUIRE_OK(store.ReleaseBuildLease("d", fence));
 }
 
+// Waits until a build after the first `before` ones was postponed, and two looks later.
+void AwaitPostponedBuild(OneServer& server, int before) {
+  Await([&] { return server.postponed_build_count > before; });
+  const int looks = server.look_count;
+  Await([&] {
+    server.engine->LookNow();
+    return server.look_count >= looks + 2;
+  });
+}
+
 }  // namespace
 
 TEST_CASE("Engines on one store: a server does not build clips of a newer version",
@@ -40,9 +50,10 @@ TEST_CASE("Engines on one store: a server does not build clips of a newer versio
     });
   };
   set_version(core::kRepresentationVersion + 1);
+  const int postponed = old.postponed_build_count;
   const auto operation = Ingest(old, "walk", 0.2);
   const auto reprocess = Require(old.engine->ReprocessDatabase("d"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  AwaitPostponedBuild(old, postponed);
   CHECK_FALSE(store->GetOperation(operation.id)->done());
   CHECK_FALSE(store->GetOperation(reprocess.id)->done());
   CHECK(VersionOf(old) == version);
@@ -56,7 +67,7 @@ TEST_CASE("Engines on one store: an older server does not replace a model of a n
           "[server][servers]") {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::duration<double>(GENERATE(0, 3600));
-  options.rebuild_retry_delay = seconds(2);
+  options.rebuild_retry_delay = std::chrono::milliseconds(500);
   const auto store = NewStore();
   OneServer old(store, options);
   BuildOneClip(old, *store);
@@ -73,8 +84,9 @@ TEST_CASE("Engines on one store: an older server does not replace a model of a n
     CHECK(VersionOf(old) == version);
   }
   const int newest = Require(store->ListModels("d", 0, 1))[0].version;
+  const int postponed = old.postponed_build_count;
   const auto operation = Ingest(old, "walk", 0.4);
-  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  AwaitPostponedBuild(old, postponed);
   CHECK_FALSE(store->GetOperation(operation.id)->done());
   CHECK(Require(store->ListModels("d", 0, 1))[0].version == newest);
   CHECK(VersionOf(old) == version);

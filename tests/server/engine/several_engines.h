@@ -36,6 +36,8 @@ struct Access {
   std::shared_ptr<Gate> model_gate = std::make_shared<Gate>();   // closed: models are not stored
   std::shared_ptr<Gate> derive_gate = std::make_shared<Gate>();  // closed: nor derived clips
   std::atomic<int> look_count{0};
+  std::atomic<int> failed_look_count{0};
+  std::atomic<int> postponed_build_count{0};  // builds that began and were given up until later
   std::atomic<int> purge_count{0};
 };
 
@@ -57,9 +59,22 @@ class WatchedStore final : public SharedStore {
     return purged;
   }
   absl::StatusOr<std::vector<storage::DatabaseState>> ListDatabaseStates() override {
-    if (access_.is_stopped) return absl::UnavailableError("the store is cut off");
+    if (access_.is_stopped) {
+      ++access_.failed_look_count;
+      return absl::UnavailableError("the store is cut off");
+    }
     ++access_.look_count;
     return GatedStore::ListDatabaseStates();
+  }
+  absl::Status PutOperation(const storage::OperationRecord& record,
+                            const core::Cancelled& cancelled) override {
+    const auto before = GatedStore::GetOperation(record.id);
+    absl::Status stored = GatedStore::PutOperation(record, cancelled);
+    const bool was_running = before.ok() && before->state == OperationState::kRunning;
+    if (stored.ok() && was_running && record.state == OperationState::kPending) {
+      ++access_.postponed_build_count;
+    }
+    return stored;
   }
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override {
     if (access_.around_add) access_.around_add();

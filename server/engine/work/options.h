@@ -25,7 +25,6 @@ enum class ServerWork {
 
 struct EngineOptions {
   int query_threads = 0;  // 0: number of hardware threads
-  int heavy_threads = 0;  // query threads for long work such as plans; 0: all but one
   int build_threads = 0;  // 0: half of them, so that queries keep a core
   // A rebuild starts when no ingest has come for `rebuild_delay`, but at most `rebuild_delay_limit`
   // after it was requested: a burst of ingests costs one rebuild.

@@ -20,10 +20,8 @@ int RequestThreads(const EngineOptions& options) {
   return options.query_threads > 0 ? options.query_threads : MachineThreads();
 }
 
-int HeavyThreads(const EngineOptions& options) {
-  return options.heavy_threads > 0 ? options.heavy_threads
-                                   : std::max(1, RequestThreads(options) - 1);
-}
+// Threads for long work such as plans: all but one, which short requests keep.
+int HeavyThreads(const EngineOptions& options) { return std::max(1, RequestThreads(options) - 1); }
 
 int BuildThreads(const EngineOptions& options) {
   return options.build_threads > 0 ? options.build_threads : std::max(1, MachineThreads() / 2);

@@ -78,7 +78,6 @@ TEST_CASE("Settings: a removed setting is ignored with a warning", "[settings]")
   CHECK(warnings[2].starts_with("MOTIONDBD_REBUILD_DELAY_LIMIT: rebuild-delay-limit was removed"));
   CHECK(warnings[3].starts_with("--max-metadata-kib: max-metadata-kib was removed and is"));
   const server::Settings& settings = reader.settings();
-  CHECK(settings.server.engine.heavy_threads == 0);
   CHECK(settings.server.calls.calls.per_client == 1024);
   CHECK(settings.server.calls.max_metadata_bytes == 8 << 10);
   for (const EffectiveSetting& setting : reader.Effective()) {

@@ -19,6 +19,23 @@ Character FirstCharacter(std::string_view text) {
   return overlong || surrogate || code > 0x10FFFF ? Character{} : Character{code, bytes};
 }
 
+void AppendUtf8(char32_t code, std::string& text) {
+  const auto add = [&text](char32_t byte) { text += static_cast<char>(byte); };
+  const auto add_continuation = [&](int shift) { add(0x80 | (code >> shift & 0x3F)); };
+  if (code < 0x80) return add(code);
+  if (code < 0x800) {
+    add(0xC0 | code >> 6);
+  } else if (code < 0x10000) {
+    add(0xE0 | code >> 12);
+    add_continuation(6);
+  } else {
+    add(0xF0 | code >> 18);
+    add_continuation(12);
+    add_continuation(6);
+  }
+  add_continuation(0);
+}
+
 bool IsUtf8(std::string_view text) {
   while (!text.empty()) {
     const std::size_t bytes = FirstCharacter(text).bytes;

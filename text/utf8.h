@@ -17,6 +17,9 @@ struct Character {
 // Returns the first character of a non-empty text (Unicode, table 3-7).
 Character FirstCharacter(std::string_view text);
 
+// Appends the UTF-8 of a character. REQUIRES: `code` is a Unicode scalar value, so no surrogate.
+void AppendUtf8(char32_t code, std::string& text);
+
 // Returns whether the text is well-formed UTF-8.
 bool IsUtf8(std::string_view text);
 

@@ -11,25 +11,6 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
 
-void AppendUtf8(char32_t code, std::string& text) {
-  const auto add = [&](char32_t byte) { text += static_cast<char>(byte); };
-  if (code < 0x80) {
-    add(code);
-  } else if (code < 0x800) {
-    add(0xC0 | code >> 6);
-    add(0x80 | (code & 0x3F));
-  } else if (code < 0x10000) {
-    add(0xE0 | code >> 12);
-    add(0x80 | (code >> 6 & 0x3F));
-    add(0x80 | (code & 0x3F));
-  } else {
-    add(0xF0 | code >> 18);
-    add(0x80 | (code >> 12 & 0x3F));
-    add(0x80 | (code >> 6 & 0x3F));
-    add(0x80 | (code & 0x3F));
-  }
-}
-
 // Converts UTF-16 without its byte-order mark; false if it is not well-formed.
 bool ConvertUtf16(std::string_view bytes, bool is_big_endian, std::string& text) {
   if (bytes.size() % 2 != 0) return false;
@@ -44,7 +25,7 @@ bool ConvertUtf16(std::string_view bytes, bool is_big_endian, std::string& text)
       high = unit;
       continue;
     }
-    AppendUtf8(is_low ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00) : unit, text);
+    text::AppendUtf8(is_low ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00) : unit, text);
     high = 0;
   }
   return high == 0;

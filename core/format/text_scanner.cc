@@ -287,15 +287,7 @@ namespace {
 
 std::string FromLatin1(std::string_view bytes) {
   std::string text;
-  for (const char c : bytes) {
-    const auto byte = static_cast<std::uint8_t>(c);
-    if (byte < 0x80) {
-      text += c;
-    } else {
-      text += static_cast<char>(0xC0 | (byte >> 6));
-      text += static_cast<char>(0x80 | (byte & 0x3F));
-    }
-  }
+  for (const char c : bytes) text::AppendUtf8(static_cast<unsigned char>(c), text);
   return text;
 }
 

@@ -14,6 +14,7 @@
 
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
+#include "text/utf8.h"
 
 namespace motiondb::importer {
 namespace {
@@ -44,20 +45,6 @@ double HalfToDouble(std::uint64_t bits) {
     value = std::ldexp(fraction + 1024, exponent - 25);
   }
   return (bits & 0x8000) != 0 ? -value : value;
-}
-
-// Returns the UTF-8 of a character, or '?' for a number that is no Unicode character.
-std::string Utf8Of(std::uint64_t code) {
-  if (code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return "?";
-  if (code < 0x80) return {static_cast<char>(code)};
-  const auto continuation = [code](int shift) {
-    return static_cast<char>(0x80 | (code >> shift & 0x3f));
-  };
-  if (code < 0x800) return {static_cast<char>(0xc0 | code >> 6), continuation(0)};
-  if (code < 0x10000) {
-    return {static_cast<char>(0xe0 | code >> 12), continuation(6), continuation(0)};
-  }
-  return {static_cast<char>(0xf0 | code >> 18), continuation(12), continuation(6), continuation(0)};
 }
 
 // Parses the dictionary of a header, a Python literal such as
@@ -336,7 +323,9 @@ std::string NpyArray::Text(std::size_t index) const {
   }
   std::string text;
   for (; !item.empty(); item.remove_prefix(4)) {
-    text += Utf8Of(NpyInteger(item.substr(0, 4), header_.big_endian));
+    const std::uint64_t code = NpyInteger(item.substr(0, 4), header_.big_endian);
+    const bool is_character = code < 0xd800 || (code >= 0xe000 && code <= 0x10ffff);
+    text::AppendUtf8(is_character ? static_cast<char32_t>(code) : U'?', text);
   }
   while (text.ends_with('\0')) text.pop_back();
   return core::ToUtf8(text);

@@ -23,6 +23,9 @@ void AppendUtf8(char32_t code, std::string& text);
 // Returns whether the text is well-formed UTF-8.
 bool IsUtf8(std::string_view text);
 
+// Returns the text with the letters A to Z in lower case; other characters are unchanged.
+std::string LowerCase(std::string_view text);
+
 // Returns whether a byte is a continuation byte of a character.
 bool IsContinuationByte(char byte);
 

@@ -13,6 +13,7 @@
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
 #include "text/display_text.h"
+#include "text/utf8.h"
 
 namespace motiondb::client {
 
@@ -60,9 +61,7 @@ std::string CalibrationText(v1::Calibration calibration) {
 }  // namespace
 
 std::string EnumValueText(const std::string& enum_name) {
-  std::string word = enum_name.substr(enum_name.rfind('_') + 1);
-  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return word;
+  return text::LowerCase(enum_name.substr(enum_name.rfind('_') + 1));
 }
 
 std::string TimeText(const google::protobuf::Timestamp& time) {

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string_view>
+
+#include "text/utf8.h"
 
 namespace motiondb::client {
 namespace {
@@ -31,16 +32,11 @@ constexpr std::array<KnownFormat, 11> kFormats = {{
     {".dae", "dae", v1::FILE_FORMAT_COLLADA, false},
 }};
 
-std::string LowerCase(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 }  // namespace
 
 std::string MotionExtension(const std::filesystem::path& file) {
-  const std::string extension = LowerCase(file.extension().string());
-  return extension == ".gz" ? LowerCase(file.stem().extension().string()) : extension;
+  const std::string extension = text::LowerCase(file.extension().string());
+  return extension == ".gz" ? text::LowerCase(file.stem().extension().string()) : extension;
 }
 
 bool IsMotionFile(const std::filesystem::path& file) {
@@ -57,7 +53,7 @@ std::string MotionExtensions() {
 }
 
 absl::StatusOr<v1::FileFormat> WrittenFormat(const std::string& name) {
-  const std::string extension = (name.starts_with('.') ? "" : ".") + LowerCase(name);
+  const std::string extension = (name.starts_with('.') ? "" : ".") + text::LowerCase(name);
   const auto* const found = std::ranges::find(kFormats, extension, &KnownFormat::extension);
   if (found != kFormats.end() && found->is_written) return found->format;
   return absl::InvalidArgumentError(

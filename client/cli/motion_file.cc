@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
-#include <algorithm>
-#include <cctype>
-
 #include "client/cli/command.h"
 #include "client/cli/file_formats.h"
 #include "client/input_file.h"
@@ -26,10 +23,7 @@ v1::UpAxis UpAxisOf(const std::string& name) {
 }  // namespace
 
 bool HasExtension(const fs::path& file, const std::string& expected) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == expected;
+  return text::LowerCase(file.extension().string()) == expected;
 }
 
 void AddSourceOptions(CLI::App& command, SourceOptions& options) {

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -20,6 +19,7 @@
 #include "import/npz/npz_reader.h"
 #include "import/npz/sampled_motion.h"
 #include "import/npz/smpl_body.h"
+#include "text/utf8.h"
 
 namespace motiondb::importer {
 namespace {
@@ -64,14 +64,9 @@ struct SmplPoses {
   }
 };
 
-std::string SmplLowerCase(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 // Returns the model of `surface_model_type`, such as "smplx_locked_head", if it is there.
 std::optional<SmplModel> StatedModel(NpzArchive& archive) {
-  const std::string type = SmplLowerCase(TryText(archive, "surface_model_type").value_or(""));
+  const std::string type = text::LowerCase(TryText(archive, "surface_model_type").value_or(""));
   if (type.starts_with("smplx")) return SmplModel::kSmplX;
   if (type.starts_with("smplh")) return SmplModel::kSmplH;
   if (type.starts_with("smpl")) return SmplModel::kSmpl;
@@ -217,7 +212,7 @@ absl::StatusOr<double> ReadSmplRate(const NpzSource& source, const SmplPoses& po
 
 SmplGender ReadSmplGender(NpzArchive& archive, std::vector<std::string>& notes) {
   const std::string stated = TryText(archive, "gender").value_or("");
-  std::string gender = SmplLowerCase(stated);
+  std::string gender = text::LowerCase(stated);
   // Some archives have the Python text of a byte string: "b'male'".
   if (gender.starts_with("b'")) gender.erase(0, 2);
   if (gender.starts_with('m')) return SmplGender::kMale;

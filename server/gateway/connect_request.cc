@@ -13,6 +13,7 @@
 #include "server/gateway/header_value.h"
 #include "server/http2/grpc_wire.h"
 #include "server/translate/status_mapping.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -58,7 +59,7 @@ grpc::Status ReadCodings(const HttpRequest& head, ConnectRequest& request) {
   const Coding names = request.streams
                            ? Coding{"connect-content-encoding", "connect-accept-encoding"}
                            : Coding{"content-encoding", "accept-encoding"};
-  const std::string content = LowerCase(Trimmed(head.Find(names.content)));
+  const std::string content = text::LowerCase(Trimmed(head.Find(names.content)));
   if (!content.empty() && content != "identity" && content != "gzip") {
     return Fault(absl::StatusCode::kUnimplemented, "{}: expected gzip or identity, got '{}'",
                  names.content, content);
@@ -102,7 +103,7 @@ grpc::Status ReadFields(const HttpRequest& head, ConnectRequest& request) {
 
 // Fills in codec and framing. False: the method does not have this content type.
 bool ReadContentType(std::string_view text, ConnectRequest& request) {
-  const std::string type = LowerCase(Trimmed(text.substr(0, text.find(';'))));
+  const std::string type = text::LowerCase(Trimmed(text.substr(0, text.find(';'))));
   const bool is_stream = type == "application/connect+json" || type == "application/connect+proto";
   if (!is_stream && type != "application/json" && type != "application/proto") return false;
   request.is_json = type.ends_with("json");

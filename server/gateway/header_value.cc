@@ -1,6 +1,9 @@
 #include "server/gateway/header_value.h"
 
 #include <algorithm>
+#include <string>
+
+#include "text/utf8.h"
 
 namespace motiondb::server {
 
@@ -8,14 +11,6 @@ std::string_view Trimmed(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t");
   if (begin == std::string_view::npos) return "";
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  });
-  return lower;
 }
 
 std::string_view TakeItem(std::string_view& list, char separator) {
@@ -27,7 +22,7 @@ std::string_view TakeItem(std::string_view& list, char separator) {
 
 bool AcceptsGzip(std::string_view list) {
   while (!list.empty()) {
-    const std::string item = LowerCase(TakeItem(list, ','));
+    const std::string item = text::LowerCase(TakeItem(list, ','));
     const auto semicolon = std::min(item.find(';'), item.size());
     if (Trimmed(std::string_view(item).substr(0, semicolon)) != "gzip") continue;
     const auto quality = item.find("q=", semicolon);

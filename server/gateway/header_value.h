@@ -1,16 +1,12 @@
-// Values of HTTP headers (RFC 9110): lists, white space, letter case.
+// Values of HTTP headers (RFC 9110): lists, white space.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 namespace motiondb::server {
 
 // Returns the text without spaces and tabs around it.
 std::string_view Trimmed(std::string_view text);
-
-// Returns the text with ASCII letters in lower case.
-std::string LowerCase(std::string_view text);
 
 // Removes the first item of a list from it, with its separator, and returns it trimmed.
 std::string_view TakeItem(std::string_view& list, char separator);

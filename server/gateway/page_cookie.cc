@@ -9,6 +9,7 @@
 #include "core/motion/error.h"
 #include "server/gateway/header_value.h"
 #include "server/http2/grpc_wire.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -50,7 +51,7 @@ absl::Status ForeignRequest(std::string_view reason) {
 }  // namespace
 
 bool UsesHttps(const HttpRequest& request, bool has_tls) {
-  return has_tls || LowerCase(request.Find("origin")).starts_with(kHttps);
+  return has_tls || text::LowerCase(request.Find("origin")).starts_with(kHttps);
 }
 
 std::string TokenInCookie(const HttpRequest& request, bool has_tls) {
@@ -77,9 +78,9 @@ absl::Status CheckSameOrigin(const HttpRequest& request, bool has_tls) {
                     "'{}'; use a token in the header Authorization instead of the cookie",
                     PrintableAscii(site)));
   }
-  const std::string origin = LowerCase(request.Find("origin"));
+  const std::string origin = text::LowerCase(request.Find("origin"));
   if (origin.empty()) return absl::OkStatus();
-  const std::string host = LowerCase(request.Find("host"));
+  const std::string host = text::LowerCase(request.Find("host"));
   const bool is_same = origin == fmt::format("{}{}", kHttps, host) ||
                        (!has_tls && origin == fmt::format("{}{}", kHttp, host));
   if (host.empty() || !is_same) {

@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
-#include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "core/motion/error.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -45,7 +45,7 @@ constexpr std::pair<std::string_view, std::string_view> kTypes[] = {
 };
 
 std::string ContentTypeOf(const std::string& path) {
-  const std::string extension = absl::AsciiStrToLower(fs::path(path).extension().string());
+  const std::string extension = text::LowerCase(fs::path(path).extension().string());
   for (const auto& [known, type] : kTypes) {
     if (known == extension) return std::string(type);
   }

@@ -22,6 +22,7 @@
 #include "server/translate/resource_name.h"
 #include "server/translate/status_mapping.h"
 #include "text/display_text.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -213,7 +214,7 @@ std::variant<HttpResponse, std::shared_ptr<HttpWork>> AnswerSessionRequest(
   }
   // A form of another site cannot have this type.
   const std::string_view type = request.Find("content-type");
-  if (!reads && LowerCase(Trimmed(type.substr(0, type.find(';')))) != "application/json") {
+  if (!reads && text::LowerCase(Trimmed(type.substr(0, type.find(';')))) != "application/json") {
     HttpResponse response =
         SessionFailure(core::InvalidArgument("content-type: expected application/json"));
     response.status = 415;

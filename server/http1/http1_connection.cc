@@ -14,6 +14,8 @@
 #include <new>
 #include <utility>
 
+#include "text/utf8.h"
+
 namespace motiondb::server {
 
 namespace {
@@ -44,12 +46,9 @@ HttpResponse ResponseTo(const boost::beast::error_code& error, std::uint32_t hea
   return PlainText(http::status::bad_request, fmt::format("not HTTP/1.1: {}", error.message()));
 }
 
-std::string LowerCase(boost::beast::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  });
-  return lower;
+// Beast of Debian 12 does not convert to std::string_view.
+std::string LowerCaseOf(boost::beast::string_view text) {
+  return text::LowerCase({text.data(), text.size()});
 }
 
 // Returns whether the client has closed the connection, or has reset it.
@@ -196,11 +195,11 @@ std::optional<HttpResponse> Http1Connection::CheckHead() const {
   // Otherwise the body would be taken for the next request.
   const auto codings = head.count(http::field::transfer_encoding);
   if (codings > 0 &&
-      (codings > 1 || LowerCase(head[http::field::transfer_encoding]) != "chunked")) {
+      (codings > 1 || LowerCaseOf(head[http::field::transfer_encoding]) != "chunked")) {
     return PlainText(http::status::not_implemented, "expected no Transfer-Encoding but chunked");
   }
   const auto expected = head[http::field::expect];
-  if (!expected.empty() && LowerCase(expected) != "100-continue") {
+  if (!expected.empty() && LowerCaseOf(expected) != "100-continue") {
     return PlainText(http::status::expectation_failed, "expected no Expect but 100-continue");
   }
   return std::nullopt;
@@ -215,7 +214,7 @@ void Http1Connection::OnHead() {
   request_.path = std::string(target.substr(0, target.find_first_of("?#")));
   request_.fields.reserve(16);
   for (const auto& field : head) {
-    request_.fields.emplace_back(LowerCase(field.name_string()), std::string(field.value()));
+    request_.fields.emplace_back(LowerCaseOf(field.name_string()), std::string(field.value()));
   }
   auto accepted = handler_.Accept(request_, shared_from_this());
   if (auto* const response = std::get_if<HttpResponse>(&accepted)) {

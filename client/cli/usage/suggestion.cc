@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "absl/strings/ascii.h"
+#include "text/utf8.h"
 
 namespace motiondb::client {
 
@@ -31,11 +31,11 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 std::string DidYouMean(const std::string& given, const std::vector<std::string>& known) {
   constexpr std::size_t kMaxLength = 200;  // of a name in the server
   if (given.size() > kMaxLength) return "";
-  const std::string lower = absl::AsciiStrToLower(given);
+  const std::string lower = text::LowerCase(given);
   const std::string* best = nullptr;
   std::size_t best_distance = 0;
   for (const std::string& word : known) {
-    const std::size_t distance = EditDistance(lower, absl::AsciiStrToLower(word));
+    const std::size_t distance = EditDistance(lower, text::LowerCase(word));
     const std::size_t limit = std::max<std::size_t>(1, std::max(word.size(), given.size()) / 3);
     if (distance > limit || word == given || word.size() <= distance) continue;
     if (best == nullptr || distance < best_distance) {

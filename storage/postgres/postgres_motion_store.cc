@@ -13,20 +13,10 @@
 #include "storage/sql/sql_motion_store_work.h"
 
 namespace motiondb::storage {
-namespace {
-
-std::int64_t SystemTimeUs() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<PostgresMotionStore>> PostgresMotionStore::Open(
     const std::string& url, PostgresOptions options) {
   MOTIONDB_ASSIGN_OR_RETURN(PostgresAddress address, ParsePostgresUrl(url));
-  if (!options.now_us) options.now_us = SystemTimeUs;
   address.read_only = options.read_only;
   auto connector = std::make_shared<PostgresConnector>(std::move(address));
   auto opened = PostgresConnection::Open(connector);

@@ -1,6 +1,7 @@
 #include "storage/sql/sql_motion_store.h"
 
 #include <algorithm>
+#include <chrono>
 #include <span>
 #include <utility>
 
@@ -26,11 +27,19 @@ std::int64_t ToMicroseconds(std::chrono::milliseconds duration) {
   return std::chrono::microseconds(duration).count();
 }
 
+std::int64_t SystemTimeUs() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 }  // namespace
 
 SqlMotionStore::SqlMotionStore(std::unique_ptr<Writer> writer, std::unique_ptr<ReaderPool> readers,
                                std::function<std::int64_t()> now_us)
-    : writer_(std::move(writer)), readers_(std::move(readers)), now_us_(std::move(now_us)) {}
+    : writer_(std::move(writer)),
+      readers_(std::move(readers)),
+      now_us_(now_us ? std::move(now_us) : SystemTimeUs) {}
 
 void SqlMotionStore::CloseConnections() {
   readers_.reset();

@@ -138,7 +138,7 @@ class SqlMotionStore : public MotionStore,
   using Added = std::optional<std::int64_t>;
 
   // `writer`: null if the store is read-only. `readers`: null if the writer reads. `now_us`: clock
-  // for the time of models and edits, microseconds since the Unix epoch.
+  // for the time of models and edits, microseconds since the Unix epoch; empty: system clock.
   SqlMotionStore(std::unique_ptr<Writer> writer, std::unique_ptr<ReaderPool> readers,
                  std::function<std::int64_t()> now_us);
 

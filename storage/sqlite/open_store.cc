@@ -1,5 +1,4 @@
 // SqliteMotionStore: opening a file for writing or read-only.
-#include <chrono>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -12,12 +11,6 @@
 
 namespace motiondb::storage {
 namespace {
-
-std::int64_t SystemMicroseconds() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 absl::StatusOr<std::unique_ptr<Writer>> StartWriter(std::unique_ptr<Connection> connection) {
   try {
@@ -40,7 +33,6 @@ std::unique_ptr<ReaderPool> MakeReaders(const std::string& path, FileIdentity fi
 absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const std::string& path,
                                                                            SqliteOptions options) {
   if (path.empty()) return core::InvalidArgument("the path of the store must not be empty");
-  if (!options.now_us) options.now_us = SystemMicroseconds;
   if (path == ":memory:") {
     if (options.read_only) return core::InvalidArgument("a store in memory cannot be read-only");
     options.reserve_bytes = 0;

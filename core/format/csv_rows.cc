@@ -9,6 +9,7 @@
 
 #include "core/format/conventions.h"
 #include "core/format/text_scanner.h"
+#include "core/motion/quantile.h"
 
 namespace motiondb::core {
 namespace {
@@ -228,9 +229,7 @@ absl::StatusOr<double> FrameRateOfTimes(SourceFile file, const Eigen::VectorXd& 
     steps.push_back(times_s[i] - times_s[i - 1]);
   }
   // The median, so that the error is at the gap.
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double usual = *middle;
+  const double usual = Quantile(steps, 0.5);
   const double tolerance =
       kMaxDifference * usual + std::min(2 * RoundingOf(times_s), kMaxRounding * usual);
   for (Eigen::Index i = 1; i < count; ++i) {

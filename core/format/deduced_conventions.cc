@@ -11,6 +11,7 @@
 #include "core/format/conventions.h"
 #include "core/mapping/figure.h"
 #include "core/motion/marker_set.h"
+#include "core/motion/quantile.h"
 
 namespace motiondb::core {
 namespace {
@@ -35,12 +36,6 @@ bool IsFoot(std::string_view name) {
   const std::string plain = PlainName(name);
   return ContainsAny(plain, kParts) ||
          std::find(kMarkers.begin(), kMarkers.end(), plain) != kMarkers.end();
-}
-
-double Median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct HeadsAndFeet {

@@ -11,6 +11,7 @@
 
 #include "core/format/conventions.h"
 #include "core/motion/forward_kinematics.h"
+#include "core/motion/quantile.h"
 
 namespace motiondb::core {
 namespace {
@@ -47,12 +48,6 @@ std::vector<HingeColumn> HingesWithoutUnit(const JointTableColumns& columns,
 
 double ExcessOf(const HingeColumn& hinge, double angle_rad) {
   return std::max({0.0, hinge.lower - angle_rad, angle_rad - hinge.upper});
-}
-
-double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Fraction of the frames in which the robot's own z axis is within 45 degrees of the vertical.
@@ -127,7 +122,7 @@ std::optional<double> DeduceRootUnit(const JointMatrix& root, const JointMatrix&
   for (std::size_t i = 0; i < heights_m.size(); ++i) {
     if (heights_m[i] >= kStanding * tallest) ratios.push_back(heights_in_file[i] / heights_m[i]);
   }
-  const double ratio = MedianOf(ratios);
+  const double ratio = Median(ratios);
   for (const double units_per_metre : {1.0, 100.0, 1000.0}) {
     if (ratio > units_per_metre / kMaxRatio && ratio < units_per_metre * kMaxRatio) {
       return 1 / units_per_metre;

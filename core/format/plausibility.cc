@@ -10,6 +10,7 @@
 
 #include "core/format/conventions.h"
 #include "core/motion/error.h"
+#include "core/motion/quantile.h"
 
 namespace motiondb::core {
 namespace {
@@ -54,9 +55,7 @@ std::optional<double> MedianLeg(const MarkerSet& set, int frame_count, const At&
     }
   }
   if (lengths.empty()) return std::nullopt;
-  const auto middle = lengths.begin() + std::ssize(lengths) / 2;
-  std::ranges::nth_element(lengths, middle);
-  return *middle;
+  return Median(lengths);
 }
 
 absl::Status WithOption(const std::string& option, absl::Status status) {

@@ -4,18 +4,12 @@
 #include <cmath>
 #include <vector>
 
+#include "core/motion/quantile.h"
+
 namespace motiondb::core {
 namespace {
 
 using Position = Eigen::Vector3d;
-
-// Returns the value that `fraction` of the values are below; reorders them. REQUIRES: not empty.
-double Quantile(std::vector<double>& values, double fraction) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 class Positions {
  public:

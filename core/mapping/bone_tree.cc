@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion/quantile.h"
+
 namespace motiondb::core {
 namespace {
 
@@ -23,9 +25,7 @@ BoneTree::BoneTree(const PointCloud& points, const std::vector<NameMeaning>& mea
     for (const auto& frame : points.frames) {
       lengths.push_back((frame.col(j) - frame.col(parent(j))).norm());
     }
-    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-    std::nth_element(lengths.begin(), middle, lengths.end());
-    length_[j] = *middle;
+    length_[j] = Median(lengths);
   }
   for (int j = count() - 1; j >= 0; --j) {
     if (parent(j) < 0) continue;

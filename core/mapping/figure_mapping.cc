@@ -7,6 +7,7 @@
 #include "core/mapping/point_sum.h"
 #include "core/motion/derived_markers.h"
 #include "core/motion/error.h"
+#include "core/motion/quantile.h"
 
 namespace motiondb::core {
 namespace {
@@ -180,10 +181,7 @@ class FigureMarkers {
       for (const auto& [point, weight] : a) difference -= weight * frame.col(point);
       if (difference.allFinite()) distances.push_back(difference.norm());
     }
-    if (distances.empty()) return 0;
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    return *middle;
+    return distances.empty() ? 0 : Median(distances);
   }
 
   // Returns the point at this distance (leg lengths) from the hips along spine, neck and head; on

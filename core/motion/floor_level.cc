@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/motion/quantile.h"
+
 namespace motiondb::core {
 namespace {
 
@@ -29,9 +31,7 @@ std::optional<double> FloorLevel(const MarkerSet& set, const MarkerMotion& motio
     }
   }
   if (static_cast<double>(heights.size()) < kMinStanding_s * motion.frame_rate_hz) return {};
-  const auto at = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), at, heights.end());
-  const double level_m = *at - kAnkleHeight * leg_length_m;
+  const double level_m = Median(heights) - kAnkleHeight * leg_length_m;
   if (std::abs(level_m) > kMaxLevel * leg_length_m) return {};
   return level_m;
 }

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/motion/marker_path.h"
+#include "core/motion/quantile.h"
 
 namespace motiondb::core {
 namespace {
@@ -40,10 +41,7 @@ MarkerPath BodyPath(const MarkerMotion& motion) {
         if (std::abs(step) < kBeyond_m) steps.push_back(step);  // false for NaN
       }
       path(t, axis) = path(t - 1, axis);
-      if (steps.empty()) continue;
-      const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-      std::nth_element(steps.begin(), middle, steps.end());
-      path(t, axis) += *middle;
+      if (!steps.empty()) path(t, axis) += Median(steps);
     }
   }
   return path;

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/motion/quantile.h"
+
 namespace motiondb::core {
 
 namespace {
@@ -30,9 +32,7 @@ class Path {
       if (std::isfinite(bend)) bends.push_back(bend);
     }
     if (bends.empty()) return;
-    const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-    std::nth_element(bends.begin(), middle, bends.end());
-    noise_ = kNoise * *middle;
+    noise_ = kNoise * Median(bends);
   }
 
   bool Has(int t) const { return t >= 0 && t < at_.rows() && !at_.row(t).hasNaN(); }
@@ -201,21 +201,15 @@ float DistanceAt(const MarkerMotion& motion, Eigen::Index frame, int a, int b) {
   return (row.segment<3>(3 * a) - row.segment<3>(3 * b)).norm();
 }
 
-std::ptrdiff_t QuantileIndex(const std::vector<float>& values, double share) {
+std::ptrdiff_t NearestRank(const std::vector<float>& values, double share) {
   return static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
 }
 
-float Quantile(std::vector<float>& values, double share) {
-  const auto at = values.begin() + QuantileIndex(values, share);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-// Whether Quantile is at most `limit`, in a fraction of its time.
+// Whether the value of NearestRank is at most `limit`, in a fraction of its time.
 bool QuantileIsAtMost(const std::vector<float>& values, double share, float limit) {
   const auto count =
       std::count_if(values.begin(), values.end(), [limit](float value) { return value <= limit; });
-  return count > QuantileIndex(values, share);
+  return count > NearestRank(values, share);
 }
 
 // Returns `other` as a partner of `marker` if it is near and at constant distance. Most pairs are
@@ -233,10 +227,10 @@ std::optional<Partner> FindPartner(const MarkerMotion& motion, int marker, int o
   if (distances.empty() || !QuantileIsAtMost(distances, 0.5, kNear * leg_length_m)) {
     return std::nullopt;
   }
-  const float median = Quantile(distances, 0.5);
+  const float median = ValueOfRank(distances, NearestRank(distances, 0.5));
   for (float& distance : distances) distance = std::abs(distance - median);
   if (!QuantileIsAtMost(distances, kUsualQuantile, kRigid * leg_length_m)) return std::nullopt;
-  return Partner{other, median, Quantile(distances, kUsualQuantile)};
+  return Partner{other, median, ValueOfRank(distances, NearestRank(distances, kUsualQuantile))};
 }
 
 using Partners = std::vector<std::vector<Partner>>;

@@ -10,6 +10,7 @@
 #include "core/motion/floor_origin.h"
 #include "core/motion/frame_state.h"
 #include "core/motion/marker_rules.h"
+#include "core/motion/quantile.h"
 #include "core/motion/reference_pose.h"
 
 namespace motiondb::core {
@@ -30,12 +31,9 @@ MarkerRow At(const MarkerMotion& motion, Eigen::Index frame, int marker) {
 }
 
 // Median of the finite values; NaN if there is none.
-double Median(std::vector<double> values) {
+double MedianOfFinite(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? std::nan("") : Median(values);
 }
 
 Eigen::Matrix2d FloorRotation(double heading) {
@@ -158,7 +156,7 @@ absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotio
       lengths.push_back((At(motion, t, hip) - At(motion, t, knee)).norm() +
                         (At(motion, t, knee) - At(motion, t, ankle)).norm());
     }
-    if (const double length = Median(std::move(lengths)); length > 0) {
+    if (const double length = MedianOfFinite(std::move(lengths)); length > 0) {
       sum += length;
       ++count;
     }
@@ -173,9 +171,9 @@ absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotio
     const double lowest = *std::min_element(z.begin(), z.end(), [](double a, double b) {
       return a < b || (std::isnan(b) && !std::isnan(a));
     });
-    heights.push_back(Median(std::move(z)) - lowest);
+    heights.push_back(MedianOfFinite(std::move(z)) - lowest);
   }
-  const double height = Median(std::move(heights));
+  const double height = MedianOfFinite(std::move(heights));
   if (!(height > 0)) {
     return InvalidArgument("cannot estimate the subject's size from its markers; set leg_length_m");
   }

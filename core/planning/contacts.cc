@@ -8,6 +8,7 @@
 
 #include "core/model/even_spread.h"
 #include "core/model/model.h"
+#include "core/motion/quantile.h"
 
 namespace motiondb::core {
 namespace {
@@ -47,13 +48,6 @@ constexpr double kMinGapSeconds = 0.05;
 constexpr double kMinContactSeconds = 0.08;
 // Speeds are central differences over this time to both sides, if the rate is high enough.
 constexpr double kSpeedSpanSeconds = 1.0 / 60;
-
-float Quantile(std::vector<float> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // A sample of stored frames, unscaled.
 struct Sample {
@@ -127,7 +121,7 @@ std::optional<float> RestHeight(const Eigen::ArrayXf& heights, const Eigen::Arra
   if (slow.size() < kMinAtRest) return std::nullopt;
   const float max_height = Quantile(slow, kLowQuantile) + kRestBand;
   std::erase_if(slow, [&](float height) { return height > max_height; });
-  return Quantile(std::move(slow), kRestQuantile);
+  return Quantile(slow, kRestQuantile);
 }
 
 // Returns the median of the clips' rest heights, because floors differ between recordings. For a
@@ -142,8 +136,9 @@ float TypicalRestHeight(const Sample& sample, int marker) {
     const auto rest = RestHeight(heights.segment(first, count), speeds.segment(first, count));
     if (rest) rests.push_back(*rest);
   }
-  if (!rests.empty()) return Quantile(std::move(rests), 0.5);
-  return Quantile({heights.begin(), heights.end()}, kLowQuantile);
+  if (!rests.empty()) return Quantile(rests, 0.5);
+  std::vector<float> all(heights.begin(), heights.end());
+  return Quantile(all, kLowQuantile);
 }
 
 Foot FindFoot(const Sample& sample, const std::array<int, 3>& leg) {

@@ -150,10 +150,11 @@ class UploadClipReactor final : public grpc::ServerUnaryReactor {
     // For the copy of the files, which the request lends.
     MOTIONDB_RETURN_IF_ERROR(
         entry_.ReserveFile(message_.file().size() + message_.skeleton_file().size()));
-    MOTIONDB_ASSIGN_OR_RETURN(ParsedIngest parsed, ParseUpload(message_, max_file_bytes_));
-    request_ = std::move(parsed.request);
+    MOTIONDB_ASSIGN_OR_RETURN(const std::string database,
+                              ParseDatabaseName("header.parent", message_.header().parent()));
+    MOTIONDB_ASSIGN_OR_RETURN(request_, ParseUpload(message_, max_file_bytes_));
     if (request_.validate_only) request_.points = &points_;
-    return steps_.Open(parsed.database, request_.validate_only);
+    return steps_.Open(database, request_.validate_only);
   }
 
   absl::Status Import() {

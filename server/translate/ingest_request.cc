@@ -9,7 +9,6 @@
 #include "server/translate/annotation_request.h"
 #include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
-#include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
@@ -35,10 +34,8 @@ absl::Status ParseAnnotations(const v1::IngestClipHeader& header, storage::ClipR
 
 }  // namespace
 
-absl::StatusOr<ParsedIngest> ParseIngestHeader(const v1::IngestClipHeader& header) {
-  ParsedIngest parsed;
-  MOTIONDB_ASSIGN_OR_RETURN(parsed.database, ParseDatabaseName("header.parent", header.parent()));
-  IngestRequest& request = parsed.request;
+absl::StatusOr<IngestRequest> ParseIngestHeader(const v1::IngestClipHeader& header) {
+  IngestRequest request;
   storage::ClipRecord& record = request.clip.record;
   MOTIONDB_RETURN_IF_ERROR(ParseFileNames(header, record));
   MOTIONDB_RETURN_IF_ERROR(ParseAnnotations(header, record));
@@ -51,19 +48,19 @@ absl::StatusOr<ParsedIngest> ParseIngestHeader(const v1::IngestClipHeader& heade
   request.clip.id_is_fixed = !header.clip_id().empty();
   request.replace = header.replace();
   request.validate_only = header.validate_only();
-  return parsed;
+  return request;
 }
 
-absl::StatusOr<ParsedIngest> ParseUpload(const v1::UploadClipRequest& request,
-                                         std::size_t max_file_bytes) {
-  MOTIONDB_ASSIGN_OR_RETURN(ParsedIngest parsed, ParseIngestHeader(request.header()));
-  MOTIONDB_RETURN_IF_ERROR(CheckNewClip(parsed.request));
+absl::StatusOr<IngestRequest> ParseUpload(const v1::UploadClipRequest& message,
+                                          std::size_t max_file_bytes) {
+  MOTIONDB_ASSIGN_OR_RETURN(IngestRequest request, ParseIngestHeader(message.header()));
+  MOTIONDB_RETURN_IF_ERROR(CheckNewClip(request));
   MOTIONDB_RETURN_IF_ERROR(CheckFileSize(
-      parsed.request, request.file().size() + request.skeleton_file().size(), max_file_bytes));
-  parsed.request.clip.file_bytes = request.file();
-  parsed.request.clip.skeleton_bytes = request.skeleton_file();
-  MOTIONDB_RETURN_IF_ERROR(CheckFiles(parsed.request, "file", "skeleton_file"));
-  return parsed;
+      request, message.file().size() + message.skeleton_file().size(), max_file_bytes));
+  request.clip.file_bytes = message.file();
+  request.clip.skeleton_bytes = message.skeleton_file();
+  MOTIONDB_RETURN_IF_ERROR(CheckFiles(request, "file", "skeleton_file"));
+  return request;
 }
 
 }  // namespace motiondb::server

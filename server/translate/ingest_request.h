@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 
 #include "absl/status/statusor.h"
 #include "server/engine/ingest.h"
@@ -14,18 +13,13 @@ class UploadClipRequest;
 
 namespace motiondb::server {
 
-struct ParsedIngest {
-  std::string database;
-  IngestRequest request;
-};
-
 // Returns the request without the bytes of the files; the rules for it are CheckNewClip.
-// INVALID_ARGUMENT with the field, as in "header.format".
-absl::StatusOr<ParsedIngest> ParseIngestHeader(const v1::IngestClipHeader& header);
+// INVALID_ARGUMENT with the field, as in "header.format". Does not read the database, `parent`.
+absl::StatusOr<IngestRequest> ParseIngestHeader(const v1::IngestClipHeader& header);
 
 // Returns the whole clip, by the rules of server/engine/ingest_rules.h. INVALID_ARGUMENT,
 // RESOURCE_EXHAUSTED.
-absl::StatusOr<ParsedIngest> ParseUpload(const v1::UploadClipRequest& request,
-                                         std::size_t max_file_bytes);
+absl::StatusOr<IngestRequest> ParseUpload(const v1::UploadClipRequest& message,
+                                          std::size_t max_file_bytes);
 
 }  // namespace motiondb::server

@@ -7,6 +7,7 @@
 #include "server/engine/ingest_rules.h"
 #include "server/translate/ingest_request.h"
 #include "server/translate/message_fields.h"
+#include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 
@@ -33,10 +34,12 @@ absl::Status IngestStream::Take(v1::IngestClipRequest message) {
 }
 
 absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
-  MOTIONDB_ASSIGN_OR_RETURN(ParsedIngest parsed, ParseIngestHeader(header));
-  MOTIONDB_RETURN_IF_ERROR(CheckNewClip(parsed.request));
-  database_ = std::move(parsed.database);
-  request_ = std::move(parsed.request);
+  MOTIONDB_ASSIGN_OR_RETURN(std::string database,
+                            ParseDatabaseName("header.parent", header.parent()));
+  MOTIONDB_ASSIGN_OR_RETURN(IngestRequest request, ParseIngestHeader(header));
+  MOTIONDB_RETURN_IF_ERROR(CheckNewClip(request));
+  database_ = std::move(database);
+  request_ = std::move(request);
   return absl::OkStatus();
 }
 

@@ -136,15 +136,15 @@ std::int64_t CallMeter::authentication_failures() const {
 std::vector<MethodStatistics> CallMeter::Methods() const {
   std::vector<MethodStatistics> methods;
   for (const auto& [name, method] : methods_) {
-    MethodStatistics figures{.method = name};
+    MethodStatistics statistics{.method = name};
     for (const absl::StatusCode code : kCodes) {
       const std::int64_t count = Count(*method, code);
-      figures.ended += count;
-      if (code != absl::StatusCode::kOk && count > 0) figures.errors.emplace_back(code, count);
+      statistics.ended += count;
+      if (code != absl::StatusCode::kOk && count > 0) statistics.errors.emplace_back(code, count);
     }
-    if (figures.ended == 0) continue;
-    figures.seconds = EstimateQuantiles(method->seconds_->Collect().histogram);
-    methods.push_back(std::move(figures));
+    if (statistics.ended == 0) continue;
+    statistics.seconds = EstimateQuantiles(method->seconds_->Collect().histogram);
+    methods.push_back(std::move(statistics));
   }
   return methods;
 }

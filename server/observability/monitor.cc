@@ -29,33 +29,33 @@ std::int64_t FileBytes(const std::string& path) {
 }
 
 // Free bytes exclude blocks reserved for the superuser.
-void SetDisk(const std::string& path, ServerStatistics& figures) {
+void SetDisk(const std::string& path, ServerStatistics& statistics) {
   struct statvfs disk {};
   if (statvfs(path.c_str(), &disk) != 0) return;
-  figures.disk_bytes = static_cast<std::int64_t>(disk.f_blocks * disk.f_frsize);
-  figures.disk_free_bytes = static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize);
+  statistics.disk_bytes = static_cast<std::int64_t>(disk.f_blocks * disk.f_frsize);
+  statistics.disk_free_bytes = static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize);
 }
 
 DatabaseStatistics StatisticsOf(Engine& engine, const LiveDatabase& database) {
-  DatabaseStatistics figures{.name = database.name(),
-                             .stored = database.stored(),
-                             .operation = engine.CurrentOperation(database),
-                             .rebuilds = database.lifecycle().rebuilds(),
-                             .leases = database.lifecycle().leases(),
-                             .open_streams = database.open_streams(),
-                             .windows = database.recognized_windows()};
-  figures.model_bytes = database.lifecycle().model_bytes();
+  DatabaseStatistics statistics{.name = database.name(),
+                                .stored = database.stored(),
+                                .operation = engine.CurrentOperation(database),
+                                .rebuilds = database.lifecycle().rebuilds(),
+                                .leases = database.lifecycle().leases(),
+                                .open_streams = database.open_streams(),
+                                .windows = database.recognized_windows()};
+  statistics.model_bytes = database.lifecycle().model_bytes();
   const ServedModel served = database.lifecycle().served();
   if (served.record() != nullptr) {
-    figures.model = *served.record();
+    statistics.model = *served.record();
     if (served.snapshot != nullptr) {
-      figures.missing_revisions =
+      statistics.missing_revisions =
           std::max<std::int64_t>(0, database.seen_revision() - served.revision);
     }
-    const std::int64_t age_us = NowMicroseconds() - figures.model->create_time_us;
-    figures.model_age_seconds = std::max(0.0, static_cast<double>(age_us) * 1e-6);
+    const std::int64_t age_us = NowMicroseconds() - statistics.model->create_time_us;
+    statistics.model_age_seconds = std::max(0.0, static_cast<double>(age_us) * 1e-6);
   }
-  return figures;
+  return statistics;
 }
 
 }  // namespace
@@ -81,40 +81,40 @@ Monitor::Attachment::~Attachment() {
 }
 
 ServerStatistics Monitor::CollectStatistics() const {
-  ServerStatistics figures{.phase = phase_,
-                           .version = MOTIONDB_VERSION,
-                           .start_time_us = start_time_us_,
-                           .encrypted = encrypted_,
-                           .authenticated = authenticated_,
-                           .certificate_expiry_s = certificate_end_time_s_,
-                           .ended_calls = calls_.ended(),
-                           .failed_calls = calls_.failed(),
-                           .methods = calls_.Methods(),
-                           .authentication_failures = calls_.authentication_failures(),
-                           .open_connections = connections_.open,
-                           .refused_connections = connections_.refused,
-                           .ended_connections = connections_.ended,
-                           .open_calls = calls_.open(),
-                           .open_streams = calls_.open_streams(),
-                           .process = ReadProcessStatistics()};
+  ServerStatistics statistics{.phase = phase_,
+                              .version = MOTIONDB_VERSION,
+                              .start_time_us = start_time_us_,
+                              .encrypted = encrypted_,
+                              .authenticated = authenticated_,
+                              .certificate_expiry_s = certificate_end_time_s_,
+                              .ended_calls = calls_.ended(),
+                              .failed_calls = calls_.failed(),
+                              .methods = calls_.Methods(),
+                              .authentication_failures = calls_.authentication_failures(),
+                              .open_connections = connections_.open,
+                              .refused_connections = connections_.refused,
+                              .ended_connections = connections_.ended,
+                              .open_calls = calls_.open(),
+                              .open_streams = calls_.open_streams(),
+                              .process = ReadProcessStatistics()};
   if (!options_.store_path.empty()) {
-    figures.store_bytes = FileBytes(options_.store_path);
-    figures.log_bytes = FileBytes(options_.store_path + "-wal");
-    SetDisk(options_.store_path, figures);
+    statistics.store_bytes = FileBytes(options_.store_path);
+    statistics.log_bytes = FileBytes(options_.store_path + "-wal");
+    SetDisk(options_.store_path, statistics);
   }
   const storage::ReadLock lock(engine_mutex_);
-  if (engine_ == nullptr) return figures;
-  figures.queued = engine_->workers().queued();
-  figures.request_threads = engine_->workers().request_threads();
-  figures.running_heavy_calls = engine_->workers().running_heavy();
-  figures.write_failures = engine_->store().write_failures();
-  figures.store_connections = engine_->store().connections();
-  figures.look_age_seconds = engine_->SecondsSinceLook();
-  figures.corruptions = engine_->corruptions();
+  if (engine_ == nullptr) return statistics;
+  statistics.queued = engine_->workers().queued();
+  statistics.request_threads = engine_->workers().request_threads();
+  statistics.running_heavy_calls = engine_->workers().running_heavy();
+  statistics.write_failures = engine_->store().write_failures();
+  statistics.store_connections = engine_->store().connections();
+  statistics.look_age_seconds = engine_->SecondsSinceLook();
+  statistics.corruptions = engine_->corruptions();
   for (const auto& database : engine_->Databases()) {
-    figures.databases.push_back(StatisticsOf(*engine_, *database));
+    statistics.databases.push_back(StatisticsOf(*engine_, *database));
   }
-  return figures;
+  return statistics;
 }
 
 Readiness Monitor::CheckReadiness() const {

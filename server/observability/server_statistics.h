@@ -85,6 +85,6 @@ struct ServerStatistics {
 
 // Converts the statistics to Prometheus metrics (docs/metrics.md). A deleted database has no
 // series.
-std::vector<prometheus::MetricFamily> FamiliesOf(const ServerStatistics& figures);
+std::vector<prometheus::MetricFamily> FamiliesOf(const ServerStatistics& statistics);
 
 }  // namespace motiondb::server

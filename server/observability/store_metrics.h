@@ -6,6 +6,6 @@
 
 namespace motiondb::server {
 
-void AddStore(const ServerStatistics& figures, MetricFamilies& families);
+void AddStore(const ServerStatistics& statistics, MetricFamilies& families);
 
 }  // namespace motiondb::server

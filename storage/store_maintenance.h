@@ -30,7 +30,7 @@ struct VerifyTotals {
   std::int32_t model_count = 0;
   std::int32_t skeleton_count = 0;
   std::int64_t byte_count = 0;  // bytes of blobs
-  std::int32_t damage_count = 0;
+  std::int32_t corruption_count = 0;
 };
 
 // Reads the whole store in bounded memory. Each item is checked as it is when the verifier reads

@@ -184,7 +184,7 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   return text;
 }
 
-std::string DamagesText(const v1::GetServerStatusResponse& status) {
+std::string CorruptionsText(const v1::GetServerStatusResponse& status) {
   const int count = status.corruptions_size();
   if (count == 0) return "";
   std::string text = fmt::format("\ncorrupt: {} (`motiondb verify` checks everything)\n", count);
@@ -235,7 +235,7 @@ std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t n
   table.AddRow({"process", ProcessText(status)});
   table.AddRow({"store", StoreText(status)});
   return table.ToString() + "\n" + DatabasesText(status) + MethodsText(status) +
-         DamagesText(status);
+         CorruptionsText(status);
 }
 
 }  // namespace motiondb::client

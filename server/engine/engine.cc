@@ -66,7 +66,7 @@ void Engine::Drain() {
 std::shared_ptr<LiveDatabase> Engine::Serve(const storage::DatabaseRecord& record) {
   auto live = std::make_shared<LiveDatabase>(record.name, record.settings);
   if (store_->is_shared()) live->set_id(record.id);
-  LifecycleServices services{*store_, operations_, damages_, workers_, options_, name_};
+  LifecycleServices services{*store_, operations_, corruptions_, workers_, options_, name_};
   if (options_.model_memory_bytes > 0) {
     services.make_room = [this](std::int64_t bytes) { MakeRoom(bytes); };
   }
@@ -357,7 +357,7 @@ std::vector<storage::Corruption> Engine::corruptions() {
       }
     }
   }
-  for (storage::Corruption& corruption : damages_.List()) {
+  for (storage::Corruption& corruption : corruptions_.List()) {
     const bool known = std::ranges::any_of(corruptions, [&](const storage::Corruption& other) {
       return other.resource == corruption.resource && other.description == corruption.description;
     });

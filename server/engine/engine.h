@@ -147,7 +147,7 @@ class Engine {
   // Corruption found since the start, at most CorruptionLog::kLimit entries.
   std::vector<storage::Corruption> corruptions();
   // For callers outside the engine that find corruption.
-  void ReportCorruption(const storage::Corruption& corruption) { damages_.Note(corruption); }
+  void ReportCorruption(const storage::Corruption& corruption) { corruptions_.Note(corruption); }
 
   // Imports a completely received backup and serves its databases. Each database becomes visible
   // after its model is read. CANCELLED, with nothing changed; also the codes of StoreRestore.
@@ -239,7 +239,7 @@ class Engine {
   const std::string name_;  // of this server, in build leases
   const std::unique_ptr<storage::MotionStore> store_;
   OperationRegistry operations_;
-  CorruptionLog damages_;
+  CorruptionLog corruptions_;
   SkeletonCache skeletons_;
   MarkerSchemes schemes_;
   Workers workers_;

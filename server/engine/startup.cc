@@ -17,7 +17,7 @@ absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::Mo
                                                      const EngineOptions& options) {
   std::unique_ptr<Engine> engine(new Engine(std::move(store), options));
   for (const storage::Corruption& corruption : engine->store_->maintenance().FoundAtOpening()) {
-    engine->damages_.Note(corruption);
+    engine->corruptions_.Note(corruption);
   }
   MOTIONDB_RETURN_IF_ERROR(engine->Load().status());
   if (engine->store_->is_shared()) engine->FollowStore();
@@ -32,7 +32,7 @@ absl::StatusOr<StoreCounts> Engine::Load() {
   // Serve also if the history of operations is unreadable: the next step finds models that lack
   // clips.
   if (absl::IsDataLoss(status)) {
-    damages_.Note({"", fmt::format("operations: {}", std::string(status.message()))});
+    corruptions_.Note({"", fmt::format("operations: {}", std::string(status.message()))});
     status = absl::OkStatus();
   }
   if (status.ok() && !read_only) status = RebuildOutdated(databases);
@@ -66,7 +66,7 @@ absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
       live = Serve(record);
       const absl::Status read = ReadDatabase(*live, record);
       if (absl::IsDataLoss(read)) {
-        damages_.Note({"databases/" + record.name, std::string(read.message())});
+        corruptions_.Note({"databases/" + record.name, std::string(read.message())});
       } else if (!read.ok()) {
         return read;
       }
@@ -79,7 +79,7 @@ absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
 absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record) {
   auto scheme = schemes_.Of(record);
   if (!scheme.ok()) {
-    damages_.Note({"databases/" + record.name, std::string(scheme.status().message())});
+    corruptions_.Note({"databases/" + record.name, std::string(scheme.status().message())});
   }
   live.set_scheme(std::move(scheme));
   // The previous server may have stopped before its purge.
@@ -132,7 +132,7 @@ absl::Status Engine::RebuildOutdated(const LiveDatabases& databases) {
     if (!live->lifecycle().operation().empty() || with_operation.contains(name)) continue;
     const auto up_to_date = live->lifecycle().IsUpToDate();
     if (absl::IsDataLoss(up_to_date.status())) {
-      damages_.Note({"databases/" + name, std::string(up_to_date.status().message())});
+      corruptions_.Note({"databases/" + name, std::string(up_to_date.status().message())});
       continue;
     }
     if (!up_to_date.ok()) return up_to_date.status();
@@ -207,7 +207,7 @@ absl::Status Engine::PublishImport(storage::DatabaseImport& import,
   const auto live = databases[database] = Serve(record);
   absl::Status status = ReadDatabase(*live, record);
   if (status.ok()) status = RebuildOutdated(databases);
-  if (!status.ok()) damages_.Note({"databases/" + database, std::string(status.message())});
+  if (!status.ok()) corruptions_.Note({"databases/" + database, std::string(status.message())});
   Show(databases);
   spdlog::info("database '{}': imported: clips={}", database, content.clip_count);
   return absl::OkStatus();

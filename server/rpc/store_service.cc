@@ -46,7 +46,7 @@ void SetSummary(const storage::VerifyTotals& totals, v1::VerifySummary& summary)
   summary.set_model_count(totals.model_count);
   summary.set_skeleton_count(totals.skeleton_count);
   summary.set_byte_count(totals.byte_count);
-  summary.set_corruption_count(totals.damage_count);
+  summary.set_corruption_count(totals.corruption_count);
 }
 
 // Makes the messages of one verification: corrupt items, progress in between, and a summary.

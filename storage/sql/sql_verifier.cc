@@ -145,7 +145,7 @@ absl::Status SqlVerifier::Note(const std::string& resource, const absl::Status& 
     case absl::StatusCode::kResourceExhausted:
       return status;
     default:
-      ++totals_.damage_count;
+      ++totals_.corruption_count;
       found_.push_back({resource, std::string(status.message())});
       return absl::OkStatus();
   }

@@ -27,7 +27,7 @@ class SqlVerifier : public StoreVerifier {
   // Only Step calls `read`; it must stay valid as long as the verifier. `known` is reported first.
   SqlVerifier(Read read, std::vector<Corruption> known, core::Cancelled cancelled)
       : read_(std::move(read)), cancelled_(std::move(cancelled)), found_(std::move(known)) {
-    totals_.damage_count = static_cast<std::int32_t>(found_.size());
+    totals_.corruption_count = static_cast<std::int32_t>(found_.size());
   }
 
   absl::StatusOr<bool> Step(std::vector<Corruption>& found) override;

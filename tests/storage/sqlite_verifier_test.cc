@@ -59,7 +59,7 @@ TEST_CASE("Verify: counts the content and finds nothing in an intact store", "[s
   REQUIRE(totals.model_count == 1);
   REQUIRE(totals.skeleton_count == 1);
   REQUIRE(totals.byte_count > 6000 * (18 * 4 + 24));
-  REQUIRE(totals.damage_count == 0);
+  REQUIRE(totals.corruption_count == 0);
 }
 
 TEST_CASE("Verify: names corrupt items", "[storage][verify]") {

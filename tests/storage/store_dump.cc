@@ -69,7 +69,7 @@ std::string Findings(storage::MotionStore& store) {
   std::string text;
   for (const auto& corruption : found)
     text += corruption.resource + ": " + corruption.description + "\n";
-  REQUIRE(verifier->totals().damage_count == static_cast<int>(found.size()));
+  REQUIRE(verifier->totals().corruption_count == static_cast<int>(found.size()));
   return text;
 }
 

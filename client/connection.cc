@@ -27,7 +27,7 @@ constexpr int kAttemptsWhileStopping = 20;
 // Of a client with several addresses: when a machine that cannot be reached is given up, and one
 // that does not respond any more.
 constexpr int kConnectAttempt_ms = 2'000;
-constexpr int kPingAfterSilence_ms = 10'000;
+constexpr int kPingAfterIdle_ms = 10'000;
 constexpr int kPingReply_ms = 10'000;
 
 std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options, bool has_others) {
@@ -43,7 +43,7 @@ std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options, bool ha
     // In gRPC this is also the time limit of one attempt to connect, by default 20 s.
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectAttempt_ms);
     // Only during calls. motiondbd permits it.
-    arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kPingAfterSilence_ms);
+    arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kPingAfterIdle_ms);
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kPingReply_ms);
     arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   }
@@ -141,7 +141,8 @@ absl::Status Client::Connection::WaitUntilConnected() const {
 absl::Status Client::Connection::WaitForAny() const {
   using Clock = std::chrono::system_clock;
   const auto end = Clock::now() + options_.connect_timeout;
-  // In rounds, so that starting servers are reached. A silent address gets its share of the time.
+  // In rounds, so that starting servers are reached. An address that does not respond gets its
+  // share of the time.
   const auto share = options_.connect_timeout / address_count();
   do {
     for (std::size_t i = 0; i < endpoints_.size(); ++i) {

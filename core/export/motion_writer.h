@@ -1,4 +1,4 @@
-// Writes motion in any format that motiondb writes, and tells what the format cannot express.
+// Writes motion in any format that motiondb writes, and reports what the format cannot express.
 #pragma once
 
 #include <optional>

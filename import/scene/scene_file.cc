@@ -192,7 +192,7 @@ std::optional<double> StatedGltfRate(const GltfDocument& document) {
   return rate.get<double>();
 }
 
-// The line at which the file ends to be XML, which assimp does not tell.
+// The line at which the file ends to be XML, which assimp does not report.
 absl::Status MalformedXml(core::SourceFile file) {
   tinyxml2::XMLDocument document;
   if (document.Parse(file.bytes.data(), file.bytes.size()) == tinyxml2::XML_SUCCESS) {

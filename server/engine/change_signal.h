@@ -1,4 +1,4 @@
-// Tells listeners that a database or its model has changed. Thread-safe.
+// Notifies listeners that a database or its model has changed. Thread-safe.
 #pragma once
 
 #include <cstdint>

@@ -191,7 +191,7 @@ class Engine {
   std::shared_ptr<LiveDatabase> Serve(const storage::DatabaseRecord& record);
   // Key: database name.
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
-  // Evicts the models that were not used for the longest time, until a further one of so many bytes
+  // Evicts the models that were not used for the longest time, until a further one of this size
   // fits. The last used one stays.
   void MakeRoom(std::int64_t bytes);
   // Creates the live databases from the store, then makes them visible to callers.

@@ -164,7 +164,7 @@ absl::Status Engine::LookFor(const std::string& database) {
 
 absl::Status Engine::FollowDatabase(const storage::DatabaseState& state) {
   auto record = store_->GetDatabase(state.name);
-  if (absl::IsNotFound(record.status())) return absl::OkStatus();  // the next look will tell
+  if (absl::IsNotFound(record.status())) return absl::OkStatus();  // the next look finds out
   if (!record.ok()) return record.status();
   const auto seen = seen_.find(state.name);
   auto live = FindServed(state.name);

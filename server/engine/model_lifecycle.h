@@ -96,7 +96,7 @@ struct LifecycleServices {
   Executor& executor;
   const EngineOptions& options;
   std::string holder = {};  // name of this server in leases
-  // Evicts models of other databases until a model of so many bytes fits; empty: no limit.
+  // Evicts models of other databases until a model of this size (bytes) fits; empty: no limit.
   std::function<void(std::int64_t)> make_room = {};
 };
 
@@ -273,7 +273,7 @@ class ModelLifecycle {
   // Replace.
   absl::StatusOr<ServedModel> Loaded(ServedModel served);
   void ReportUnreadable(const absl::Status& status);
-  // Evicts models if a further one of so many bytes would be too much.
+  // Evicts models if a further one of this size would exceed the limit.
   void MakeRoom(std::int64_t bytes) {
     if (services_.make_room) services_.make_room(bytes);
   }

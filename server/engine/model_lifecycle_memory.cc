@@ -125,7 +125,7 @@ void ModelLifecycle::SetLoadError(const absl::Status& error) {
     const MutexLock lock(mutex_);
     load_error_ = error;
     load_error_time_ = services_.executor.Now();
-    is_used_ = false;  // those who wait get the error
+    is_used_ = false;  // callers that wait get the error
   }
   database_.signal()->Notify();
 }

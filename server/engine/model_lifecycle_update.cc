@@ -66,7 +66,7 @@ absl::Status ModelLifecycle::UpdateCurrent(bool may_extend, bool is_used) {
   absl::Status status = WithoutExceptions<absl::Status>([&] {
     if (is_shared()) {
       const absl::Status counted = database_.Recount(services_.store.annotations());
-      // The former amount could tell that a database without a model is empty.
+      // By its former size, a database without a model could seem empty.
       if (absl::IsUnavailable(counted)) return counted;
     }
     const SnapshotPointer current = snapshot();

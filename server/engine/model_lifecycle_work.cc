@@ -38,7 +38,7 @@ constexpr std::chrono::microseconds kMaxClockDifference = std::chrono::seconds(1
 // Maximum attempts of a build whose clips are deleted meanwhile.
 constexpr int kAttempts = 8;
 
-// A tree of one node cannot tell motions apart, but no call fails because of it.
+// A tree of one node cannot distinguish motions, but no call fails because of it.
 void WarnOfSingleNode(const std::string& database, const Snapshot& snapshot) {
   const core::Model& model = snapshot.model;
   if (core::IsSingleNode(model.tree(), model.settings().min_frames)) {

@@ -28,7 +28,7 @@ struct WorkOptions {
   std::function<absl::Status(std::int64_t)> reserve = {};
   // Deadline of the caller; max() if the caller set none.
   std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
-  // Runs the work again after the next change that `signal` tells of, if the work then returns
+  // Runs the work again after the next change that `signal` reports, if the work then returns
   // AwaitsChange. Empty: the caller cannot wait.
   std::function<void(ChangeSignal& signal)> wake_on = {};
 

@@ -10,8 +10,8 @@
 
 namespace motiondb::server {
 
-// Whether the browser reached the page by HTTPS: the server has TLS, or a proxy before it has, as
-// the header Origin tells.
+// Returns whether the browser reached the page by HTTPS: the server has TLS, or the header
+// Origin shows that a proxy in front of it has.
 bool UsesHttps(const HttpRequest& request, bool has_tls);
 
 // Returns the token of the cookie; empty: none. Over HTTPS only a cookie with the prefix `__Host-`
@@ -20,11 +20,11 @@ std::string TokenInCookie(const HttpRequest& request, bool has_tls);
 
 // Returns the value of Set-Cookie that stores the token, until the browser ends.
 std::string SetTokenCookie(const std::string& token, bool https);
-// Adds Set-Cookie headers that delete the cookie, of HTTP and of HTTPS: behind a proxy with TLS not
-// every request tells how the browser reached the page.
+// Adds Set-Cookie headers that delete both cookies, of HTTP and of HTTPS: behind a proxy with TLS,
+// some requests do not show how the browser reached the page.
 void DeleteTokenCookie(HttpFields& fields);
 
-// Returns PERMISSION_DENIED if the browser says that a page of another origin makes the request
+// Returns PERMISSION_DENIED if the browser reports that a page of another origin makes the request
 // (headers Origin and Sec-Fetch-Site). Clients that are no browsers do not send these headers.
 absl::Status CheckSameOrigin(const HttpRequest& request, bool has_tls);
 

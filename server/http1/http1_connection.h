@@ -100,11 +100,11 @@ class Http1Connection final : public ClientConnection,
 
   std::string output_;  // not accepted by the socket yet, from `written_`
   std::size_t written_ = 0;
-  bool chunked_ = false;    // the response has chunks; otherwise its end is that of the connection
-  bool tell_sent_ = false;  // OnSent is due when the output is written
-  bool keeps_alive_ = false;  // a further request may follow the response
-  bool leaves_ = false;       // closes when the output is written
-  bool wants_write_ = false;  // of TLS
+  bool chunked_ = false;  // the response has chunks; otherwise its end is that of the connection
+  bool reports_sent_ = false;  // OnSent is due when the output is written
+  bool keeps_alive_ = false;   // a further request may follow the response
+  bool leaves_ = false;        // closes when the output is written
+  bool wants_write_ = false;   // of TLS
   bool awaiting_read_ = false;
   bool awaiting_write_ = false;
   bool serving_ = false;

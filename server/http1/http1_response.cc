@@ -33,7 +33,7 @@ void Http1Connection::SendPart(std::string part) {
   if (chunked_) Write(fmt::format("{:x}\r\n", part.size()));
   Write(part);
   if (chunked_) Write("\r\n");
-  tell_sent_ = true;
+  reports_sent_ = true;
 }
 
 void Http1Connection::EndStream() {
@@ -75,7 +75,7 @@ void Http1Connection::EndRequest() {
   answered_ = std::move(work_);
   parser_.reset();
   request_ = {};
-  tell_sent_ = false;
+  reports_sent_ = false;
   phase_ = Phase::kHead;
   calls_ = 0;
   waiting_since_ = Clock::now();
@@ -98,7 +98,7 @@ bool Http1Connection::WriteSome() {
     output_time_ -= Clock::now() - output_since_;
     answered_.reset();
     const auto work = work_;  // a copy: it may end the request
-    if (std::exchange(tell_sent_, false) && work != nullptr) work->OnSent();
+    if (std::exchange(reports_sent_, false) && work != nullptr) work->OnSent();
   }
   return true;
 }

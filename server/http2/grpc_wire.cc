@@ -101,7 +101,7 @@ constexpr std::int64_t kScalar = 2 * sizeof(std::int64_t);  // arrays grow by do
 constexpr int kMaxDepth = 100;                              // protobuf's own limit
 
 std::int64_t SizeOfEmpty(const Descriptor& type) {
-  // A prototype of an entry has no value, and cannot tell its size.
+  // A prototype of an entry has no value, so its size is unknown.
   if (type.options().map_entry()) return kMapEntry;
   const auto* const prototype = MessageFactory::generated_factory()->GetPrototype(&type);
   return prototype == nullptr ? 0 : static_cast<std::int64_t>(prototype->SpaceUsedLong());

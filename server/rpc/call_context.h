@@ -70,7 +70,7 @@ class CallContext {
   // Checks again for each further message of a stream. UNAUTHENTICATED.
   absl::Status Recheck() const;
 
-  // Returns DEADLINE_EXCEEDED, the status after an idle timeout. The text tells whether the first
+  // Returns DEADLINE_EXCEEDED, the status after an idle timeout. The text states whether the first
   // message is missing.
   grpc::Status IdleStatus() const;
 

@@ -29,7 +29,7 @@ class CallMemory {
     ~Reservation();
 
     // Changes the reservation to `bytes`. RESOURCE_EXHAUSTED at a limit; then the reservation is
-    // unchanged, and the error tells whether a retry can succeed.
+    // unchanged, and the error states whether a retry can succeed.
     absl::Status Resize(std::int64_t bytes);
     // Moves this and later reservations to another client.
     void SetClient(const std::string& client);

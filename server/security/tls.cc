@@ -133,10 +133,10 @@ void SetProtocol(SSL& connection, TlsProtocol protocol) {
 }
 
 absl::StatusOr<std::unique_ptr<Tls>> Tls::Start(const TlsFiles& files,
-                                                CertificateExpiry::Tell tell_end) {
+                                                CertificateExpiry::Report report_end) {
   MOTIONDB_ASSIGN_OR_RETURN(TlsContents texts, ReadTlsFiles(files));
   MOTIONDB_ASSIGN_OR_RETURN(auto context, MakeContext(texts));
-  CertificateExpiry end(std::move(tell_end));
+  CertificateExpiry end(std::move(report_end));
   end.Look(texts.first_to_end, texts.end_time_s, std::time(nullptr));
   return std::unique_ptr<Tls>(new Tls(files, std::move(texts), std::move(context), std::move(end)));
 }
@@ -174,13 +174,13 @@ constexpr std::int64_t kSoonSeconds = std::int64_t{14} * 24 * 3600;
 
 }  // namespace
 
-CertificateExpiry::CertificateExpiry(Tell tell) : tell_(std::move(tell)) {}
+CertificateExpiry::CertificateExpiry(Report report) : report_(std::move(report)) {}
 
 void CertificateExpiry::Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s) {
   if (end_time_s != end_time_s_) {
     end_time_s_ = end_time_s;
     warned_ = false;
-    if (tell_) tell_(end_time_s);
+    if (report_) report_(end_time_s);
   }
   if (warned_ || end_time_s - now_s > kSoonSeconds) return;
   warned_ = true;

@@ -51,17 +51,17 @@ class FileReloader {
 class CertificateExpiry {
  public:
   // Receives the expiry of new certificates, Unix time in s.
-  using Tell = std::function<void(std::int64_t end_time_s)>;
+  using Report = std::function<void(std::int64_t end_time_s)>;
 
-  // `tell` may be empty.
-  explicit CertificateExpiry(Tell tell);
+  // `report` may be empty.
+  explicit CertificateExpiry(Report report);
 
   // Checks the certificate in `file` that expires at `end_time_s`; `now_s` is the current time,
   // both Unix time in s. Logs a warning once for each certificate, from 14 days before its expiry.
   void Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s);
 
  private:
-  Tell tell_;
+  Report report_;
   std::int64_t end_time_s_ = 0;  // last value reported
   bool warned_ = false;
 };
@@ -78,10 +78,10 @@ void SetProtocol(SSL& connection, TlsProtocol protocol);
 class Tls {
  public:
   // Loads the files and watches them. Returns INVALID_ARGUMENT with the path of an invalid file.
-  // Calls `tell_end` with the expiry here and, on the thread of the FileReloader, for each new
+  // Calls `report_end` with the expiry here and, on the thread of the FileReloader, for each new
   // certificate.
   static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files,
-                                                    CertificateExpiry::Tell tell_end);
+                                                    CertificateExpiry::Report report_end);
 
   // Returns the context for new connections: TLS 1.2 or later, no session resumption; SetProtocol
   // selects the protocol of a connection.

@@ -16,10 +16,11 @@ namespace {
 constexpr std::chrono::milliseconds kMinDelay{50};
 constexpr std::chrono::milliseconds kMaxDelay{2000};
 constexpr char kConnectSeconds[] = "5";
-// Without data for so long, Await checks whether PostgreSQL hangs. A limit of the whole wait would
-// be wrong: a long statement, or one that waits for a lock, sends nothing either. The timeouts of
-// TCP find lost peers, but not a stopped process, whose system continues to acknowledge.
-constexpr std::chrono::seconds kMaxSilence{5};
+// Without data for this time, Await checks whether PostgreSQL hangs. A limit of the whole wait
+// would be wrong: a long statement, or one that waits for a lock, sends nothing either. The
+// timeouts of TCP find lost peers, but not a stopped process, whose system continues to
+// acknowledge.
+constexpr std::chrono::seconds kMaxIdleTime{5};
 constexpr int kPollMilliseconds = 1000;
 
 }  // namespace
@@ -75,7 +76,7 @@ absl::Status PostgresConnector::Await(PGconn* session, const core::Cancelled& ca
     if (cancelled && cancelled()) {
       return absl::CancelledError("cancelled while the store did not respond");
     }
-    if (Clock::now() - heard < kMaxSilence) continue;
+    if (Clock::now() - heard < kMaxIdleTime) continue;
     if (!Responds(session)) return Unreachable("PostgreSQL does not respond");
     heard = Clock::now();
   }

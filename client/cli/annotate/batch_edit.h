@@ -45,7 +45,7 @@ absl::StatusOr<v1::BatchEditResponse> SendBatch(
     const std::function<std::string(std::size_t)>& place_of);
 
 // Sends the changes in order, kMaxBatchChanges in a transaction, into `sent`, also those before an
-// error. The error is as of SendBatch, and tells how many changes are stored.
+// error. The error is as of SendBatch, and states how many changes are stored.
 absl::Status SendChanges(const Client& client, const std::string& database,
                          const std::vector<v1::Change>& changes,
                          const std::function<std::string(std::size_t)>& place_of,

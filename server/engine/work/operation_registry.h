@@ -70,7 +70,7 @@ class OperationRegistry {
   // Takes over what other servers have changed. `unfinished`: as MotionStore lists them.
   void Follow(const std::vector<storage::OperationRecord>& unfinished);
   // Its row was deleted with its database: CANCELLED, in memory only. In a shared store it may be
-  // an operation of a new database with the name: Follow tells.
+  // an operation of a new database with the name: Follow finds it.
   void Abandon(const std::string& id);
 
   // Calls `watcher` once with the operation, when it is done or EndWaits is called. Returns a

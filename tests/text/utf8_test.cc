@@ -33,6 +33,21 @@ TEST_CASE("IsUtf8: accepts well-formed text only", "[text]") {
   }
 }
 
+TEST_CASE("AppendUtf8: writes every character as FirstCharacter reads it", "[text]") {
+  for (char32_t code = 0; code <= 0x10FFFF; ++code) {
+    if (code == 0xD800) code = 0xE000;  // surrogates are no characters
+    std::string written = "a";
+    text::AppendUtf8(code, written);
+    const text::Character read = text::FirstCharacter(std::string_view(written).substr(1));
+    if (read.code != code || read.bytes + 1 != written.size()) FAIL("U+" << std::hex << +code);
+  }
+}
+
+TEST_CASE("LowerCase: changes the letters A to Z only", "[text]") {
+  CHECK(text::LowerCase("Left_FOOT[Z]@\xC3\x84") == "left_foot[z]@\xC3\x84");
+  CHECK(text::LowerCase("").empty());
+}
+
 TEST_CASE("TruncateUtf8: cuts between characters", "[text]") {
   const std::string_view mixed = "\xC3\xA4\xE2\x82\xAC\xF0\x9F\x8F\x83z";
   const std::size_t ends[] = {0, 0, 2, 2, 2, 5, 5, 5, 5, 9, 10, 10};

@@ -11,9 +11,17 @@ export class OwnServer {
     this.url = 'http://127.0.0.1:0';
   }
 
-  // Starts it; after a stop with the same URL.
-  async start() {
-    const options = ['--store', this.store, '--listen', '127.0.0.1:0', '--log-level', 'error'];
+  // Starts it, with more options; after a stop with the same address.
+  async start(...more) {
+    const options = [
+      '--store',
+      this.store,
+      '--listen',
+      '127.0.0.1:0',
+      '--log-level',
+      'error',
+      ...more,
+    ];
     const web = ['--web-listen', new URL(this.url).host];
     this.process = spawn(setup.motiondbd, [...options, ...web], {
       stdio: ['ignore', 'pipe', 'inherit'],

@@ -25,9 +25,10 @@ export class Header {
   private readonly navigation = element('nav', { 'aria-label': 'Views' });
   private readonly database = element('select', { 'aria-label': 'Database' });
   private readonly tools = element('div', { class: 'tools' });
+  private readonly themeButton: HTMLButtonElement;
 
   constructor(
-    private readonly theme: ThemeSwitch,
+    theme: ThemeSwitch,
     private readonly events: HeaderEvents,
   ) {
     this.node = element(
@@ -38,6 +39,19 @@ export class Header {
       this.navigation,
       this.tools,
     );
+    this.themeButton = button(
+      '',
+      () => {
+        theme.toggle();
+      },
+      { title: 'Light or dark theme' },
+    );
+    // Also when the theme of the system changes.
+    const offerOther = () => {
+      this.themeButton.textContent = theme.name === 'dark' ? 'Light' : 'Dark';
+    };
+    offerOther();
+    theme.onChange(offerOther);
     this.database.addEventListener('change', () => {
       events.changeDatabase(this.database.value);
     });
@@ -72,21 +86,11 @@ export class Header {
     replaceChildren(
       this.tools,
       session !== null && element('span', { class: 'hint' }, session.principal),
-      this.themeButton(),
+      this.themeButton,
       session?.authenticationRequired === true &&
         button('Log out', () => {
           this.events.leave();
         }),
     );
-  }
-
-  private themeButton(): HTMLButtonElement {
-    const other = () => (this.theme.name === 'dark' ? 'Light' : 'Dark');
-    const node = button(other(), () => {
-      this.theme.toggle();
-      node.textContent = other();
-    });
-    node.title = 'Light or dark theme';
-    return node;
   }
 }

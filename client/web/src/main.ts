@@ -3,4 +3,9 @@ import './style/labels.css';
 import { Shell } from './shell/shell';
 
 const root = document.getElementById('app');
-if (root) void new Shell(root).start();
+if (root) {
+  const shell = new Shell(root, () => {
+    location.reload();
+  });
+  void shell.start();
+}

@@ -1,6 +1,7 @@
 import { createClient, type Client, type Interceptor } from '@connectrpc/connect';
 import { createConnectTransport } from '@connectrpc/connect-web';
 import * as messages from './messages';
+import { fetchServer, type Traffic } from './server_fetch';
 
 // Typed clients of all services that a browser can call.
 export interface Api {
@@ -25,8 +26,9 @@ export interface CallObserver {
   failed(error: unknown): void;
 }
 
-// Clients that call the server that served the page, in binary format.
-export function createApi(baseUrl: string, observer: CallObserver): Api {
+// Clients that call the server that served the page, in binary format. `traffic` gets what they send
+// and receive.
+export function createApi(baseUrl: string, observer: CallObserver, traffic: Traffic): Api {
   const observe: Interceptor = (next) => async (request) => {
     try {
       const response = await next(request);
@@ -42,7 +44,7 @@ export function createApi(baseUrl: string, observer: CallObserver): Api {
     useBinaryFormat: true,
     interceptors: [observe],
     fetch: (input, init) =>
-      fetch(input, { ...init, credentials: 'same-origin', redirect: 'error' }),
+      fetchServer(input, { ...init, credentials: 'same-origin', redirect: 'error' }, traffic),
   });
   return {
     access: createClient(messages.AccessService, transport),

@@ -1,6 +1,7 @@
 import { Code, ConnectError } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Connection } from './connection';
+import { NoAnswerError } from './server_fetch';
 import { serverError } from './test_server';
 
 beforeEach(() => {
@@ -16,7 +17,7 @@ test('a lost connection is probed until it is restored', async () => {
   const connection = new Connection(probe, 1000);
   const states: string[] = [];
   connection.onChange((state) => states.push(state));
-  connection.failed(new TypeError('fetch failed'));
+  connection.failed(new NoAnswerError(new TypeError('fetch failed')));
   connection.failed(new ConnectError('gone', Code.Unavailable));
   expect(states).toEqual(['lost']);
   await vi.advanceTimersByTimeAsync(3500);
@@ -63,10 +64,18 @@ test('what failed is tried again when the connection is restored', async () => {
   expect(actions.other).not.toHaveBeenCalled();
 });
 
-test('an error of a call is not a lost connection', () => {
-  const connection = new Connection(() => Promise.resolve());
-  connection.failed(new ConnectError('no clip', Code.NotFound));
+test('an error of a call, or of the page itself, is not a lost connection', async () => {
+  const connection = new Connection(() => Promise.resolve(), 1000);
+  const action = vi.fn();
+  for (const error of [new ConnectError('no clip', Code.NotFound), new TypeError('no property')]) {
+    connection.failed(error);
+    connection.whenRestored(error, new AbortController().signal, action);
+    expect(connection.state).toBe('connected');
+  }
+  connection.lose();
+  await vi.advanceTimersByTimeAsync(2000);
   expect(connection.state).toBe('connected');
+  expect(action).not.toHaveBeenCalled();
 });
 
 test('one probe runs at a time, and its late answer does not end the login', async () => {

@@ -1,6 +1,7 @@
 import { Code, ConnectError } from '@connectrpc/connect';
 import { BadRequestSchema, ErrorInfoSchema, RequestInfoSchema } from './messages';
 import { fromBinary } from '@bufbuild/protobuf';
+import { NoAnswerError } from './server_fetch';
 
 // An error of a call, for the user.
 export interface DescribedError {
@@ -59,13 +60,13 @@ export function hasCode(error: unknown, ...codes: Code[]): boolean {
   return error instanceof ConnectError && codes.includes(error.code);
 }
 
-// True if no server answered, or if it stops. fetch reports that as a TypeError, which Connect wraps,
-// or as the end of its time limit. Each error of a service of the server has a reason.
+// True if no server answered, or if it stops. fetchServer reports that as a NoAnswerError, which
+// Connect wraps, or as the end of its time limit. Each error of a service of the server has a reason.
 export function isConnectionLost(error: unknown): boolean {
-  if (error instanceof TypeError) return true;
+  if (error instanceof NoAnswerError) return true;
   if (error instanceof DOMException && error.name === 'TimeoutError') return true;
   if (!(error instanceof ConnectError)) return false;
   if (error.code === Code.Unavailable)
     return ['', 'SERVER_STOPPING'].includes(detailsOf(error).reason);
-  return hasCode(error, Code.Unknown, Code.Internal) && error.cause instanceof TypeError;
+  return hasCode(error, Code.Unknown, Code.Internal) && error.cause instanceof NoAnswerError;
 }

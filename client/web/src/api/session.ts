@@ -1,6 +1,7 @@
 // Login of the browser: the server keeps the token in an HttpOnly cookie.
 
 import { Code, ConnectError } from '@connectrpc/connect';
+import { fetchServer } from './server_fetch';
 
 // A server that hangs, or a dropped network, would otherwise not be noticed for minutes.
 const kAnswerMilliseconds = 5000;
@@ -65,7 +66,7 @@ function text(value: unknown): string {
 }
 
 function request(method: string, path: string, body?: string): Promise<Response> {
-  return fetch(path, {
+  return fetchServer(path, {
     method,
     credentials: 'same-origin',
     headers: body === undefined ? {} : { 'content-type': 'application/json' },

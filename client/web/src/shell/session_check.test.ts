@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Connection } from '../api/connection';
-import { parseSession } from '../api/session';
+import { Traffic } from '../api/server_fetch';
+import { parseSession, type Session } from '../api/session';
 import { stubServer } from '../api/test_server';
 import { setHidden } from '../watch/test_visibility';
 import { checkSession } from './session_check';
@@ -16,13 +17,19 @@ afterEach(() => {
 
 const admin = parseSession({ role: 'admin' });
 const session = () => Response.json({ authenticationRequired: false, role: 'admin' });
+// Begins the checks; returns what the other calls send and receive.
+function start(connection: Connection, present: () => Session) {
+  const options = { traffic: new Traffic() };
+  checkSession({ connection, present, ...options });
+  return options;
+}
 const revoked = { authenticationRequired: true, reason: 'tokens/ab was revoked' };
 
 test('a server that hangs is reported within a few seconds, by one check at a time', async () => {
   let hangs = false;
   const fetch = stubServer(() => (hangs ? undefined : session()));
   const connection = new Connection(() => new Promise(() => undefined));
-  checkSession(connection, () => admin);
+  start(connection, () => admin);
   expect(fetch).not.toHaveBeenCalled();
   await vi.advanceTimersByTimeAsync(6000);
   expect([connection.state, fetch.mock.calls.length]).toEqual(['connected', 2]);
@@ -39,7 +46,7 @@ test('a server that hangs is reported within a few seconds, by one check at a ti
 test('a hidden page does not ask', async () => {
   const fetch = stubServer(session);
   setHidden(true);
-  checkSession(new Connection(() => Promise.resolve()), () => admin);
+  start(new Connection(() => Promise.resolve()), () => admin);
   await vi.advanceTimersByTimeAsync(10_000);
   expect(fetch).not.toHaveBeenCalled();
   setHidden(false);
@@ -50,7 +57,7 @@ test('a hidden page does not ask', async () => {
 test('a token that is revoked asks for a login, with the reason', async () => {
   stubServer(() => Response.json(revoked));
   const connection = new Connection(() => Promise.resolve());
-  checkSession(connection, () => admin);
+  start(connection, () => admin);
   await vi.advanceTimersByTimeAsync(3000);
   expect([connection.state, connection.loginReason]).toEqual(['login', 'tokens/ab was revoked']);
 });
@@ -60,7 +67,7 @@ test('the form of the login stays, and an answer from before a login counts for 
   vi.stubGlobal('fetch', () => new Promise<Response>((resolve) => (answer = resolve)));
   const connection = new Connection(() => Promise.resolve());
   let present = parseSession(revoked);
-  checkSession(connection, () => present);
+  start(connection, () => present);
   await vi.advanceTimersByTimeAsync(3000);
   answer(Response.json(revoked));
   await vi.advanceTimersByTimeAsync(3000);
@@ -73,7 +80,33 @@ test('the form of the login stays, and an answer from before a login counts for 
 test('a server without authentication needs no login', async () => {
   const fetch = stubServer(() => Response.json({ authenticationRequired: false }));
   const connection = new Connection(() => Promise.resolve());
-  checkSession(connection, () => admin);
+  start(connection, () => admin);
   await vi.advanceTimersByTimeAsync(9000);
   expect([connection.state, fetch.mock.calls.length]).toEqual(['connected', 3]);
+});
+
+test('a check that waits behind an upload or other answers is not a lost connection', async () => {
+  stubServer(() => undefined);
+  const connection = new Connection(() => new Promise(() => undefined));
+  const { traffic } = start(connection, () => admin);
+  const answered = traffic.send(50e6);
+  await vi.advanceTimersByTimeAsync(60_000);
+  expect(connection.state).toBe('connected');
+  answered();
+  const arriving = setInterval(() => {
+    traffic.received();
+  }, 4000);
+  await vi.advanceTimersByTimeAsync(60_000);
+  expect(connection.state).toBe('connected');
+  clearInterval(arriving);
+  await vi.advanceTimersByTimeAsync(16_000);
+  expect(connection.state).toBe('lost');
+});
+
+test('a server that refuses connections is lost, also during an upload', async () => {
+  vi.stubGlobal('fetch', () => Promise.reject(new TypeError('Failed to fetch')));
+  const connection = new Connection(() => new Promise(() => undefined));
+  start(connection, () => admin).traffic.send(50e6);
+  await vi.advanceTimersByTimeAsync(3000);
+  expect(connection.state).toBe('lost');
 });

@@ -1,26 +1,39 @@
 import { Code, ConnectError } from '@connectrpc/connect';
 import type { Connection } from '../api/connection';
+import type { Traffic } from '../api/server_fetch';
 import { readSession, type Session } from '../api/session';
 import { Disposer } from '../dom/disposer';
 import { poll } from '../dom/poller';
 
 const kCheckMilliseconds = 3000;
 
+export interface SessionCheckOptions {
+  connection: Connection;
+  // Of the other calls of the page.
+  traffic: Traffic;
+  // The session of the page.
+  readonly present: () => Session;
+}
+
 // Reads the session every 3 s while the page is visible: a view that makes no calls would not notice
 // that the server is gone, or that the token is no longer valid. A lost connection has probes of its
-// own. `present`: the session of the page.
-export function checkSession(connection: Connection, present: () => Session): void {
+// own. A read without an answer counts only if nothing else of the server arrives either.
+export function checkSession({ connection, traffic, present }: SessionCheckOptions): void {
   const check = async () => {
     if (connection.state !== 'connected') return;
     const before = present();
+    const began = performance.now();
     try {
-      const { authenticationRequired, role, reason } = await readSession();
+      const session = await readSession();
       // The user can have logged in or out since.
-      const isSame = before === present() && before.role !== null;
-      if (isSame && authenticationRequired && role === null)
-        connection.failed(new ConnectError(reason, Code.Unauthenticated));
+      if (before !== present() || before.role === null) return;
+      if (session.role === null) {
+        if (session.authenticationRequired)
+          connection.failed(new ConnectError(session.reason, Code.Unauthenticated));
+      }
     } catch (error) {
-      connection.failed(error);
+      const isLate = error instanceof DOMException && error.name === 'TimeoutError';
+      if (!isLate || !traffic.explainsDelay(began)) connection.failed(error);
     }
   };
   // The page itself reads the session when it opens.

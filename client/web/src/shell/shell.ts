@@ -1,8 +1,9 @@
 import { createApi, type Api } from '../api/api';
 import { Connection } from '../api/connection';
-import { isConnectionLost } from '../api/errors';
+import { describeError, isConnectionLost } from '../api/errors';
 import { readDatabaseIds } from '../api/lists';
 import { isDatabaseId } from '../api/resource_names';
+import { Traffic } from '../api/server_fetch';
 import { logOut, mayActAs, readSession, type Session } from '../api/session';
 import { button, element } from '../dom/element';
 import { focusHeading } from '../dom/focus';
@@ -12,9 +13,10 @@ import { Header } from './header';
 import { openLogin } from './login';
 import { hrefOf, parsePlace, type ParsedPlace } from './place';
 import { kRoutes, type Route } from './routes';
+import { ScriptReload } from './script_reload';
 import { checkSession } from './session_check';
 import { ThemeSwitch } from './theme';
-import type { View, ViewContext } from './view';
+import type { OpenView, View, ViewContext } from './view';
 
 // Safari permits 100 changes in 30 s.
 const kAddressMilliseconds = 350;
@@ -24,7 +26,8 @@ const kMotionCacheBytes = 96 * 1024 * 1024;
 export class Shell {
   private readonly theme = new ThemeSwitch();
   private readonly connection = new Connection(() => readSession());
-  private readonly api: Api = createApi(location.origin, this.connection);
+  private readonly traffic = new Traffic();
+  private readonly api: Api = createApi(location.origin, this.connection, this.traffic);
   private readonly motions = new MotionCache(this.api, kMotionCacheBytes);
   private readonly header = new Header(this.theme, {
     changeDatabase: (id) => {
@@ -50,11 +53,17 @@ export class Shell {
   private addressTime = -Infinity;
   private writingAddress: ReturnType<typeof setTimeout> | undefined;
   private opening = 0;
+  private readonly scripts: ScriptReload;
   private scriptsFailed = false;
   // A view or the login has been shown since the page was loaded.
   private entered = false;
 
-  constructor(root: HTMLElement) {
+  // `reload` loads the page again.
+  constructor(
+    root: HTMLElement,
+    private readonly reload: () => void,
+  ) {
+    this.scripts = new ScriptReload(reload);
     const skip = button(
       'Skip to content',
       () => {
@@ -69,14 +78,17 @@ export class Shell {
       if (state === 'connected' && previous === 'lost') this.announce('Connection restored.');
       if (state === 'login') this.showLogin(this.connection.loginReason);
       else if (state === 'connected' && previous === 'lost') {
-        // Views read again what failed. Scripts of a view that could not be loaded need a new page:
-        // browsers remember that they failed.
+        // Views read again what failed.
         if (this.view) this.databasesChanged();
-        else if (this.scriptsFailed) location.reload();
+        else if (this.scriptsFailed) this.scripts.tryOnce();
         else void this.start();
       }
     });
-    checkSession(this.connection, () => this.session);
+    checkSession({
+      connection: this.connection,
+      traffic: this.traffic,
+      present: () => this.session,
+    });
     // A link or a new load of the page leaves an address that is complete.
     addEventListener('click', this.flushAddress, { capture: true });
     addEventListener('pagehide', this.flushAddress);
@@ -187,23 +199,46 @@ export class Shell {
 
   private async openView(route: Route, place: ParsedPlace, notice: Notice): Promise<void> {
     const turn = ++this.opening;
+    let module: { open: OpenView };
     try {
-      const module = await route.load();
-      if (turn !== this.opening) return;
-      document.title = `${route.title === '' ? (place.path[0] ?? '') : route.title} - motiondb`;
+      module = await route.load();
+    } catch (error) {
+      if (turn === this.opening) await this.reportScripts(error, notice);
+      return;
+    }
+    if (turn !== this.opening) return;
+    this.scripts.loaded();
+    document.title = `${route.title === '' ? (place.path[0] ?? '') : route.title} - motiondb`;
+    try {
       this.view = module.open(this.host, this.contextOf(), place);
       if (this.entered) focusHeading(this.host, this.announce);
       this.entered = true;
     } catch (error) {
-      if (turn !== this.opening) return;
-      this.scriptsFailed = true;
-      this.connection.failed(error);
-      notice.error(error, [
-        button('Try again', () => {
-          location.reload();
-        }),
-      ]);
+      notice.error(error, [this.reloadButton()]);
     }
+  }
+
+  // Scripts of a view could not be loaded: because no server answers, or for another reason.
+  private async reportScripts(error: unknown, notice: Notice): Promise<void> {
+    const turn = this.opening;
+    this.scriptsFailed = true;
+    const text =
+      'The scripts of this view could not be loaded. If the server answers, a proxy or an ' +
+      `extension of the browser can block them. (${describeError(error)?.message ?? ''})`;
+    notice.error(new Error(text), [this.reloadButton()]);
+    try {
+      await readSession();
+      if (turn !== this.opening) return;
+      // A lost connection ends here, which loads the page again.
+      if (this.connection.state === 'lost') this.connection.succeeded();
+      else this.scripts.tryOnce();
+    } catch (failure) {
+      if (turn === this.opening) this.connection.failed(failure);
+    }
+  }
+
+  private reloadButton(): HTMLElement {
+    return button('Try again', this.reload);
   }
 
   private contextOf(): ViewContext {

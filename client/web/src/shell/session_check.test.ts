@@ -17,9 +17,9 @@ afterEach(() => {
 
 const admin = parseSession({ role: 'admin' });
 const session = () => Response.json({ authenticationRequired: false, role: 'admin' });
-// Begins the checks; returns what the other calls send and receive.
+// Begins the checks; returns what the other calls send and receive, and what a change calls.
 function start(connection: Connection, present: () => Session) {
-  const options = { traffic: new Traffic() };
+  const options = { traffic: new Traffic(), changed: vi.fn() };
   checkSession({ connection, present, ...options });
   return options;
 }
@@ -83,6 +83,29 @@ test('a server without authentication needs no login', async () => {
   start(connection, () => admin);
   await vi.advanceTimersByTimeAsync(9000);
   expect([connection.state, fetch.mock.calls.length]).toEqual(['connected', 3]);
+});
+
+test('another login of the browser restarts the page', async () => {
+  const login = {
+    authenticationRequired: true,
+    principal: 'tokens/1',
+    role: 'admin',
+    database: '',
+  };
+  const present = parseSession(login);
+  let answer: object = login;
+  stubServer(() => Response.json(answer));
+  const connection = new Connection(() => Promise.resolve());
+  const { changed } = start(connection, () => present);
+  await vi.advanceTimersByTimeAsync(6000);
+  expect(changed).not.toHaveBeenCalled();
+  const others = [{ principal: 'tokens/2' }, { role: 'reader' }, { database: 'databases/demo' }];
+  for (const [i, other] of others.entries()) {
+    answer = { ...login, ...other };
+    await vi.advanceTimersByTimeAsync(3000);
+    expect(changed).toHaveBeenCalledTimes(i + 1);
+  }
+  expect(connection.state).toBe('connected');
 });
 
 test('a check that waits behind an upload or other answers is not a lost connection', async () => {

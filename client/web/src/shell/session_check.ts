@@ -13,12 +13,14 @@ export interface SessionCheckOptions {
   traffic: Traffic;
   // The session of the page.
   readonly present: () => Session;
+  // The browser has another login, for example from another tab.
+  readonly changed: () => void;
 }
 
 // Reads the session every 3 s while the page is visible: a view that makes no calls would not notice
 // that the server is gone, or that the token is no longer valid. A lost connection has probes of its
 // own. A read without an answer counts only if nothing else of the server arrives either.
-export function checkSession({ connection, traffic, present }: SessionCheckOptions): void {
+export function checkSession({ connection, traffic, present, changed }: SessionCheckOptions): void {
   const check = async () => {
     if (connection.state !== 'connected') return;
     const before = present();
@@ -30,6 +32,8 @@ export function checkSession({ connection, traffic, present }: SessionCheckOptio
       if (session.role === null) {
         if (session.authenticationRequired)
           connection.failed(new ConnectError(session.reason, Code.Unauthenticated));
+      } else if (!isSameLogin(before, session)) {
+        changed();
       }
     } catch (error) {
       const isLate = error instanceof DOMException && error.name === 'TimeoutError';
@@ -40,4 +44,8 @@ export function checkSession({ connection, traffic, present }: SessionCheckOptio
   setTimeout(() => {
     poll(new Disposer(), kCheckMilliseconds, check);
   }, kCheckMilliseconds);
+}
+
+function isSameLogin(a: Session, b: Session): boolean {
+  return a.principal === b.principal && a.role === b.role && a.database === b.database;
 }

@@ -129,3 +129,19 @@ test('an error of a view that opens is shown, and is not a lost connection', asy
   expect([page.lost(), page.reload.mock.calls.length]).toEqual([false, 0]);
   expect(page.error()).toContain('no property');
 });
+
+test('another login in the browser opens the page again with its role', async () => {
+  const page = await loadPage('some');
+  expect(page.main.textContent).toBe('the view');
+  closed.mockClear();
+  server.session = { ...kAdmin, principal: 'tokens/2', role: 'reader' };
+  await vi.advanceTimersByTimeAsync(3100);
+  expect(closed).toHaveBeenCalledTimes(1);
+  expect(page.error()).toContain('This view needs the role admin.');
+  expect(page.root.querySelector('header')?.textContent).toContain('tokens/2');
+  expect(page.root.querySelectorAll('nav a').length).toBe(0);
+  server.session = { ...kAdmin, principal: 'tokens/3' };
+  await vi.advanceTimersByTimeAsync(3100);
+  expect([page.error(), page.main.textContent]).toEqual(['', 'the view']);
+  expect(page.root.querySelectorAll('nav a').length).toBe(2);
+});

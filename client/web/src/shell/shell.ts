@@ -88,6 +88,12 @@ export class Shell {
       connection: this.connection,
       traffic: this.traffic,
       present: () => this.session,
+      changed: () => {
+        this.flushAddress();
+        this.closeView();
+        this.announce('The login has changed.');
+        void this.start();
+      },
     });
     // A link or a new load of the page leaves an address that is complete.
     addEventListener('click', this.flushAddress, { capture: true });

@@ -145,3 +145,21 @@ test('another login in the browser opens the page again with its role', async ()
   expect([page.error(), page.main.textContent]).toEqual(['', 'the view']);
   expect(page.root.querySelectorAll('nav a').length).toBe(2);
 });
+
+test('the title of the page is that of what it shows', async () => {
+  await loadPage('some');
+  expect(document.title).toBe('Some view - motiondb');
+  await go('none');
+  expect(document.title).toBe('Unknown view - motiondb');
+  views.other.mockImplementation(blocked);
+  await go('other');
+  expect(document.title).toBe('Other view - motiondb');
+  await go('some');
+  expect(document.title).toBe('Some view - motiondb');
+  server.session = { ...kAdmin, role: '' };
+  await vi.advanceTimersByTimeAsync(3100);
+  expect(document.title).toBe('Log in - motiondb');
+  server.session = { ...kAdmin, role: 'reader' };
+  await loadPage('some');
+  expect(document.title).toBe('Some view - motiondb');
+});

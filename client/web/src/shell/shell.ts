@@ -143,6 +143,7 @@ export class Shell {
     this.flushAddress();
     this.closeView();
     this.drawHeader();
+    setTitle('Log in');
     openLogin(this.host, reason, () => void this.start());
     this.entered = true;
   }
@@ -172,6 +173,7 @@ export class Shell {
     this.closeView();
     this.drawHeader();
     if (place.database !== '' && !this.databases.includes(place.database)) this.databasesChanged();
+    setTitle(titleOf(route, place));
     const notice = new Notice();
     this.host.append(notice.node);
     if (!route) {
@@ -214,7 +216,6 @@ export class Shell {
     }
     if (turn !== this.opening) return;
     this.scripts.loaded();
-    document.title = `${route.title === '' ? (place.path[0] ?? '') : route.title} - motiondb`;
     try {
       this.view = module.open(this.host, this.contextOf(), place);
       if (this.entered) focusHeading(this.host, this.announce);
@@ -262,9 +263,7 @@ export class Shell {
         this.setQuery(values);
       },
       announce: this.announce,
-      setTitle: (text) => {
-        document.title = `${text} - motiondb`;
-      },
+      setTitle,
     };
   }
 
@@ -315,6 +314,7 @@ export class Shell {
     this.view = undefined;
     this.scriptsFailed = false;
     this.host.replaceChildren();
+    setTitle('');
   }
 
   private announce = (text: string): void => {
@@ -345,4 +345,14 @@ export class Shell {
     await this.start();
     if (failure !== undefined) this.banner.error(failure);
   }
+}
+
+// Empty: the page shows no view.
+function setTitle(text: string): void {
+  document.title = text === '' ? 'motiondb' : `${text} - motiondb`;
+}
+
+function titleOf(route: Route | undefined, place: ParsedPlace): string {
+  if (!route) return 'Unknown view';
+  return route.title === '' ? (place.path[0] ?? '') : route.title;
 }

@@ -10,7 +10,7 @@ afterEach(() => {
 test('the theme button offers the other theme, also after a change of the system', () => {
   const system = Object.assign(new EventTarget(), { matches: false });
   vi.stubGlobal('matchMedia', () => system);
-  const header = new Header(new ThemeSwitch(), { changeDatabase: vi.fn(), leave: vi.fn() });
+  const header = new Header(new ThemeSwitch(), [], { changeDatabase: vi.fn(), leave: vi.fn() });
   header.draw({ session: null, view: '', database: '', databases: [] });
   const offered = () => header.node.querySelector('.tools button')?.textContent;
   expect(offered()).toBe('Dark');

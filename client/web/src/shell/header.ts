@@ -2,7 +2,7 @@ import { mayActAs, type Session } from '../api/session';
 import { button, element, replaceChildren } from '../dom/element';
 import { keepFocus } from '../dom/focus';
 import { hrefOf } from './place';
-import { kRoutes } from './routes';
+import type { Route } from './routes';
 import type { ThemeSwitch } from './theme';
 
 // What the header shows.
@@ -29,6 +29,7 @@ export class Header {
 
   constructor(
     theme: ThemeSwitch,
+    private readonly routes: readonly Route[],
     private readonly events: HeaderEvents,
   ) {
     this.node = element(
@@ -66,7 +67,7 @@ export class Header {
       ...ids.map((id) => element('option', { value: id, selected: id === database }, id)),
     );
     this.database.hidden = session === null || ids.length === 0;
-    const routes = kRoutes.filter(
+    const routes = this.routes.filter(
       (route) => session !== null && route.title !== '' && mayActAs(session, route.role),
     );
     const links = routes.map((route) =>

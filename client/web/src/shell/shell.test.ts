@@ -3,19 +3,15 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Shell } from './shell';
 import type { OpenView } from './view';
 
-const views = vi.hoisted(() => ({
+const views = {
   load: vi.fn<() => Promise<{ open: OpenView }>>(),
   other: vi.fn<() => Promise<{ open: OpenView }>>(),
-}));
-vi.mock('./routes', () => {
-  const route = { needsDatabase: false, role: 'admin' };
-  return {
-    kRoutes: [
-      { ...route, view: 'some', title: 'Some view', load: views.load },
-      { ...route, view: 'other', title: 'Other view', load: views.other },
-    ],
-  };
-});
+};
+const kRoute = { needsDatabase: false, role: 'admin' } as const;
+const kRoutes = [
+  { ...kRoute, view: 'some', title: 'Some view', load: views.load },
+  { ...kRoute, view: 'other', title: 'Other view', load: views.other },
+];
 const kAdmin = { authenticationRequired: true, principal: 'tokens/1', role: 'admin' };
 const server = { up: true, session: kAdmin };
 
@@ -72,7 +68,7 @@ async function loadPage(place: string) {
   const root = document.createElement('div');
   document.body.replaceChildren(root);
   const reload = vi.fn();
-  await new Shell(root, reload).start();
+  await new Shell(root, kRoutes, reload).start();
   const main = root.querySelector('main')!;
   const error = () => main.querySelector('.notice.error:not([hidden])')?.textContent ?? '';
   const lost = () => root.textContent.includes('Connection lost.');

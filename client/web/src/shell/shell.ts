@@ -12,7 +12,7 @@ import { MotionCache } from '../motion/motion_cache';
 import { Header } from './header';
 import { openLogin } from './login';
 import { hrefOf, parsePlace, type ParsedPlace } from './place';
-import { kRoutes, type Route } from './routes';
+import type { Route } from './routes';
 import { ScriptReload } from './script_reload';
 import { checkSession } from './session_check';
 import { ThemeSwitch } from './theme';
@@ -29,12 +29,7 @@ export class Shell {
   private readonly traffic = new Traffic();
   private readonly api: Api = createApi(location.origin, this.connection, this.traffic);
   private readonly motions = new MotionCache(this.api, kMotionCacheBytes);
-  private readonly header = new Header(this.theme, {
-    changeDatabase: (id) => {
-      this.changeDatabase(id);
-    },
-    leave: () => void this.leave(),
-  });
+  private readonly header: Header;
   private readonly banner = new Notice();
   private readonly host = element('main', { id: 'view', tabindex: -1 });
   private readonly speech = element('div', { class: 'visually-hidden', 'aria-live': 'polite' });
@@ -61,9 +56,16 @@ export class Shell {
   // `reload` loads the page again.
   constructor(
     root: HTMLElement,
+    private readonly routes: readonly Route[],
     private readonly reload: () => void,
   ) {
     this.scripts = new ScriptReload(reload);
+    this.header = new Header(this.theme, routes, {
+      changeDatabase: (id) => {
+        this.changeDatabase(id);
+      },
+      leave: () => void this.leave(),
+    });
     const skip = button(
       'Skip to content',
       () => {
@@ -149,7 +151,7 @@ export class Shell {
   }
 
   private async follow(place: ParsedPlace): Promise<void> {
-    const route = kRoutes.find((candidate) => candidate.view === place.view);
+    const route = this.routes.find((candidate) => candidate.view === place.view);
     if (!route) {
       const database = this.databases[0];
       if (place.view === '') {
@@ -301,7 +303,7 @@ export class Shell {
 
   private changeDatabase(database: string): void {
     this.flushAddress();
-    const route = kRoutes.find((candidate) => candidate.view === this.place.view);
+    const route = this.routes.find((candidate) => candidate.view === this.place.view);
     const view = route?.needsDatabase === true && route.title !== '' ? route.view : 'clips';
     location.assign(hrefOf({ view, database }));
   }

@@ -21,6 +21,7 @@ export class TokensPanel {
   private readonly notice = new Notice();
   private readonly secret = new Notice();
   private readonly list = element('div');
+  private readonly submit: HTMLButtonElement;
   private readonly role = selectOf(kRoles, '1');
   private readonly database = element('input', { placeholder: 'all' });
   private readonly description = element('input', { maxlength: 200 });
@@ -35,6 +36,7 @@ export class TokensPanel {
     private readonly context: ViewContext,
     private readonly disposer: Disposer,
   ) {
+    this.submit = element('button', { type: 'submit', class: 'primary' }, 'Create token');
     const form = element(
       'form',
       { class: 'row' },
@@ -42,7 +44,7 @@ export class TokensPanel {
       labelled('Database', this.database),
       labelled('Purpose', this.description),
       labelled('Expires after days', this.days),
-      element('button', { type: 'submit', class: 'primary' }, 'Create token'),
+      this.submit,
     );
     form.addEventListener('submit', (event) => {
       event.preventDefault();
@@ -60,7 +62,10 @@ export class TokensPanel {
     void this.read();
   }
 
+  // One at a time: the answer to a second one would replace the secret of the first.
   private async create(): Promise<void> {
+    if (this.submit.disabled) return;
+    this.submit.disabled = true;
     this.secret.clear();
     this.notice.clear();
     const database = this.database.value.trim();
@@ -86,6 +91,8 @@ export class TokensPanel {
       await this.read();
     } catch (error) {
       this.notice.error(error);
+    } finally {
+      this.submit.disabled = false;
     }
   }
 

@@ -27,6 +27,7 @@ export class ClipProperties {
   private readonly notice = new Notice();
   private clip: Clip;
   private form: ClipForm | undefined;
+  private saving = false;
 
   constructor(private readonly options: ClipPropertiesOptions) {
     this.clip = options.clip;
@@ -74,10 +75,13 @@ export class ClipProperties {
   }
 
   private async save(form: ClipForm, paths: string[]): Promise<void> {
+    // A second press would be a conflict with the change of the first.
+    if (this.saving) return;
     if (paths.length === 0) {
       this.closeForm();
       return;
     }
+    this.saving = true;
     this.notice.clear();
     try {
       const { name, etag } = this.clip;
@@ -95,6 +99,8 @@ export class ClipProperties {
     } catch (error) {
       if (hasCode(error, Code.Aborted)) await this.showConflict(paths);
       else this.notice.error(error);
+    } finally {
+      this.saving = false;
     }
   }
 

@@ -32,6 +32,11 @@ export interface FigureStyle {
   color?: string | ((point: number) => string);
 }
 
+export interface NearestPoint {
+  point: number;
+  distance: number; // px
+}
+
 const kUp = new Vector3(0, 1, 0);
 
 // Points and bones in two draw calls. A missing point and its bones are not drawn.
@@ -93,18 +98,19 @@ export class FigureObject {
     return this.group.visible;
   }
 
-  // Index of the point next to a place on the canvas, at most `radius` pixels away; otherwise -1.
+  // Index of the point next to a place on the canvas, less than `radius` pixels away; otherwise -1.
   pointAt(x: number, y: number, radius = 14): number {
-    let best = -1;
-    let bestDistance = radius * radius;
+    return this.nearestTo(x, y, radius)?.point ?? -1;
+  }
+
+  // The point next to a place on the canvas, less than `radius` pixels away, and its distance.
+  nearestTo(x: number, y: number, radius = 14): NearestPoint | undefined {
+    let best: NearestPoint | undefined;
     for (let point = 0; point < this.figure.names.length; ++point) {
       const at = this.scene.project(...this.positionOf(point));
       if (!at) continue;
-      const distance = (at.x - x) ** 2 + (at.y - y) ** 2;
-      if (distance < bestDistance) {
-        best = point;
-        bestDistance = distance;
-      }
+      const distance = Math.hypot(at.x - x, at.y - y);
+      if (distance < (best?.distance ?? radius)) best = { point, distance };
     }
     return best;
   }

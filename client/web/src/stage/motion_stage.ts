@@ -40,9 +40,14 @@ export class MotionStage {
   // Px from the top left of the picture; undefined: outside.
   private pointer: { x: number; y: number } | undefined;
 
-  constructor(theme: ThemeSwitch, label: string, parts: readonly StagePart[]) {
+  constructor(
+    theme: ThemeSwitch,
+    label: string,
+    parts: readonly StagePart[],
+    newScene: typeof createScene = createScene,
+  ) {
     for (const part of parts) this.shown.add(part);
-    this.scene = createScene(this.node, { theme, label });
+    this.scene = newScene(this.node, { theme, label });
     this.node.append(this.tip);
     this.scene?.canvas.addEventListener('pointermove', (event) => {
       this.pointer = { x: event.offsetX, y: event.offsetY };
@@ -174,16 +179,24 @@ export class MotionStage {
     this.trails?.show(this.shown.has('trails') ? this.trailPoints : []);
   }
 
-  // Names the marker or joint under the pointer, with its position.
+  // Names the shown marker or joint next to the pointer, with its position.
   private showTip(): void {
-    const { pointer } = this;
-    const figure = this.shown.has('markers') ? this.markers : this.joints;
-    const point = (pointer && figure?.pointAt(pointer.x, pointer.y)) ?? -1;
-    const name = figure?.figure.names[point];
-    this.tip.hidden = name === undefined;
-    if (!figure || name === undefined) return;
+    const marker = this.pointedIn(this.markers);
+    const joint = this.pointedIn(this.joints);
+    const isJoint = joint && (!marker || joint.distance < marker.distance);
+    const found = isJoint ? joint : marker;
+    this.tip.hidden = found === undefined;
+    if (!found) return;
+    const { figure, point } = found;
     const at = figure.positionOf(point).map((value) => value.toFixed(3));
+    const name = figure.figure.names[point] ?? '';
     this.tip.textContent = `${name}  x ${at[0] ?? ''}  y ${at[1] ?? ''}  z ${at[2] ?? ''} m`;
+  }
+
+  private pointedIn(figure: FigureObject | undefined) {
+    const { pointer } = this;
+    const nearest = figure?.visible ? pointer && figure.nearestTo(pointer.x, pointer.y) : undefined;
+    return figure && nearest && { figure, ...nearest };
   }
 }
 

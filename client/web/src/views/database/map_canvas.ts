@@ -49,9 +49,7 @@ export class MapCanvas implements MapPicture {
   }
 
   nodeAt(x: number, y: number): number {
-    const shown = this.appearance?.nodesShown;
-    const node = pick(this.projected, x, y, kReach);
-    return node >= 0 && shown?.[node] === 1 ? node : -1;
+    return this.appearance ? pick(this.projected, this.appearance.nodesShown, x, y, kReach) : -1;
   }
 
   placeOf(node: number): MapPlace | undefined {

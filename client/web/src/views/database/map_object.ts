@@ -108,10 +108,11 @@ export class MapObject implements MapPicture {
   nodeAt(x: number, y: number): number {
     const { map, appearance } = this;
     if (!map || !appearance) return -1;
-    const node = pick(this.project(map.nodes.means), x, y, kReach);
-    if (node >= 0 && appearance.nodesShown[node] === 1) return node;
-    const point = pick(this.project(map.points.positions), x, y, kReach / 2);
-    return point >= 0 && appearance.pointsShown[point] === 1 ? map.points.nodes[point]! : -1;
+    const node = pick(this.project(map.nodes.means), appearance.nodesShown, x, y, kReach);
+    if (node >= 0) return node;
+    const positions = this.project(map.points.positions);
+    const point = pick(positions, appearance.pointsShown, x, y, kReach / 2);
+    return point >= 0 ? map.points.nodes[point]! : -1;
   }
 
   placeOf(node: number): MapPlace | undefined {

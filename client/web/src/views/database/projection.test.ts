@@ -76,8 +76,16 @@ describe.each(kAllAxes)('parallelMatrix for axes %s', (axes) => {
 describe('pick', () => {
   it('finds the nearest point within reach, in front of others', () => {
     const screen = Float32Array.of(10, 10, 0.5, 10, 10, 0.2, 40, 40, 0, NaN, NaN, NaN);
-    expect(pick(screen, 11, 10, 5)).toBe(1);
-    expect(pick(screen, 38, 41, 5)).toBe(2);
-    expect(pick(screen, 25, 25, 5)).toBe(-1);
+    const all = Uint8Array.of(1, 1, 1, 1);
+    expect(pick(screen, all, 11, 10, 5)).toBe(1);
+    expect(pick(screen, all, 38, 41, 5)).toBe(2);
+    expect(pick(screen, all, 25, 25, 5)).toBe(-1);
+  });
+
+  it('finds a shown point behind or beside a nearer one that is hidden', () => {
+    const screen = Float32Array.of(10, 10, 0.2, 10, 10, 0.5, 13, 10, 0);
+    expect(pick(screen, Uint8Array.of(0, 1, 1), 10, 10, 5)).toBe(1);
+    expect(pick(screen, Uint8Array.of(0, 0, 1), 10, 10, 5)).toBe(2);
+    expect(pick(screen, Uint8Array.of(0, 0, 0), 10, 10, 5)).toBe(-1);
   });
 });

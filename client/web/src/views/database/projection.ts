@@ -73,14 +73,21 @@ export function parallelMatrix(
   return [0, 1, 2].flatMap((column) => [...rows.map((row) => row[column]!), 0]).concat(shift, 1);
 }
 
-// Index of the point nearest to (x, y) within `reach` px, the front one of equals; -1: none.
-export function pick(projected: Float32Array, x: number, y: number, reach: number): number {
+// Index of the shown point (1 in `shown`) nearest to (x, y) within `reach` px, the front one of equals;
+// -1: none.
+export function pick(
+  projected: Float32Array,
+  shown: Uint8Array,
+  x: number,
+  y: number,
+  reach: number,
+): number {
   let best = -1;
   let bestDistance = reach;
   let bestDepth = Infinity;
   for (let i = 0; i + 2 < projected.length; i += 3) {
     const depth = projected[i + 2]!;
-    if (!(depth >= -1 && depth <= 1)) continue;
+    if (shown[i / 3] !== 1 || !(depth >= -1 && depth <= 1)) continue;
     const distance = Math.hypot(projected[i]! - x, projected[i + 1]! - y);
     if (distance < bestDistance || (distance === bestDistance && depth < bestDepth)) {
       best = i / 3;

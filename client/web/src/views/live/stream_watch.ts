@@ -26,6 +26,7 @@ export class StreamWatch {
   readonly node: HTMLElement;
   private readonly notice = new Notice();
   private readonly stageHost = element('div');
+  private readonly follow = element('input', { type: 'checkbox', checked: true });
   private readonly facts = element('dl', { class: 'details' });
   private readonly history = new LabelHistory(kHistorySeconds);
   private readonly palette = new LabelPalette();
@@ -42,6 +43,7 @@ export class StreamWatch {
     private readonly database: string,
     private readonly stream: string,
     private readonly disposer: Disposer,
+    private readonly Stage = LiveStage,
   ) {
     this.ribbon = new LabelRibbon(context.theme, this.palette, kHistorySeconds);
     this.latency = new LineChart({
@@ -51,7 +53,7 @@ export class StreamWatch {
       x: 'answer',
       height: 130,
     });
-    const follow = element('input', { type: 'checkbox', checked: true });
+    const { follow } = this;
     follow.addEventListener('change', () => {
       if (this.stage) this.stage.follow = follow.checked;
     });
@@ -120,7 +122,8 @@ export class StreamWatch {
     this.palette.add(await readLabels(api, this.database, signal));
     const { figure } = await api.views.getFigure({ name: databaseName(this.database) }, { signal });
     if (!figure || this.disposer.disposed) return;
-    this.stage = new LiveStage(this.context.theme, figure);
+    this.stage = new this.Stage(this.context.theme, figure);
+    this.stage.follow = this.follow.checked;
     this.stageHost.append(this.stage.node);
   }
 

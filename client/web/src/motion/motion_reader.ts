@@ -34,6 +34,12 @@ export async function readMotion(
     motion.receivedFrames = Math.max(motion.receivedFrames, block.firstFrame + block.frameCount);
     onBlock(motion);
   }
+  return completeMotion(motion);
+}
+
+// Returns a motion whose stream has ended. Throws if it lacks frames, for example because a shorter
+// clip has replaced it.
+export function completeMotion(motion: Motion | undefined): Motion {
   if (!motion || motion.receivedFrames < motion.frameCount) {
     throw new Error(
       `Expected ${motion?.frameCount ?? 'some'} frames, got ${motion?.receivedFrames ?? 0}.`,

@@ -5,6 +5,7 @@ import { clipName, databaseName } from '../../api/resource_names';
 import { readFile } from '../../dom/file_bytes';
 import { floatBytes } from '../../drawing/float_bytes';
 import { copyFrames, createMotion, type Motion } from '../../motion/motion';
+import { completeMotion } from '../../motion/motion_reader';
 import { cutMotion, type MarkerMotion } from './marker_error';
 
 export type ObservationInit = MessageInitShape<typeof ObservationSchema>;
@@ -42,8 +43,7 @@ export async function observeClip(
     copyFrames(motion.markers, block.firstFrame - firstFrame, block.markerPositions);
     motion.receivedFrames += block.frameCount;
   }
-  if (!motion) throw new Error(`Expected the motion of '${clip}', got an empty stream.`);
-  return { name: clip, motion, legLengthM: stored.legLengthM };
+  return { name: clip, motion: completeMotion(motion), legLengthM: stored.legLengthM };
 }
 
 // A motion file, with its skeleton file if it needs one: an ASF or URDF file among `files`.

@@ -31,7 +31,7 @@ function dropThree() {
   const context = { api: { clips: { uploadClip } } } as unknown as ViewContext;
   const disposer = new Disposer();
   const panel = new UploadPanel(context, 'demo', disposer, vi.fn());
-  const drop = Object.assign(new Event('drop'), { dataTransfer: { files } });
+  const drop = Object.assign(new Event('drop'), { dataTransfer: { files, types: ['Files'] } });
   document.dispatchEvent(drop);
   return {
     panel,
@@ -75,4 +75,24 @@ test('a removed file is not read', async () => {
   });
   expect(dropped.read).toEqual(['a.bvh', 'c.bvh']);
   dropped.disposer.dispose();
+});
+
+test('text can be dragged into an input, and files are taken', () => {
+  const disposer = new Disposer();
+  const context = { api: { clips: { uploadClip: vi.fn() } } } as unknown as ViewContext;
+  const panel = new UploadPanel(context, 'demo', disposer, vi.fn());
+  const isTaken = (type: string, types: string[]) => {
+    const event = new Event(type, { cancelable: true });
+    document.dispatchEvent(Object.assign(event, { dataTransfer: { types, files: [] } }));
+    return event.defaultPrevented;
+  };
+  expect([isTaken('dragover', ['text/plain']), isTaken('drop', ['text/plain'])]).toEqual([
+    false,
+    false,
+  ]);
+  expect(panel.node.classList.contains('drop')).toBe(false);
+  expect(isTaken('dragover', ['Files'])).toBe(true);
+  expect(panel.node.classList.contains('drop')).toBe(true);
+  expect(isTaken('drop', ['Files'])).toBe(true);
+  disposer.dispose();
 });

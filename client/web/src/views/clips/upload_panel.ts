@@ -55,6 +55,7 @@ export class UploadPanel {
 
   private listenToDrops(): void {
     this.disposer.listen(document, 'dragover', (event) => {
+      if (!hasFiles(event)) return;
       event.preventDefault();
       this.node.classList.add('drop');
     });
@@ -62,6 +63,7 @@ export class UploadPanel {
       if (event.relatedTarget === null) this.node.classList.remove('drop');
     });
     this.disposer.listen(document, 'drop', (event) => {
+      if (!hasFiles(event)) return;
       event.preventDefault();
       this.node.classList.remove('drop');
       this.add([...(event.dataTransfer?.files ?? [])]);
@@ -107,4 +109,9 @@ export class UploadPanel {
   private update(): void {
     this.storeAll.hidden = this.items.filter((item) => item.isReady).length < 2;
   }
+}
+
+// False for text, which the user can drag into an input.
+function hasFiles({ dataTransfer }: DragEvent): boolean {
+  return dataTransfer?.types.includes('Files') === true;
 }

@@ -84,7 +84,8 @@ export class Thumbnails {
   }
 
   private async draw({ clip, canvas }: Waiting): Promise<void> {
-    const key = `${clip.name} ${clip.createTime?.seconds ?? 0n}`;
+    // A clip that is replaced or derived again has another etag.
+    const key = `${clip.name} ${clip.etag}`;
     try {
       const motion =
         this.stored.get(key) ??

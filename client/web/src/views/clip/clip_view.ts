@@ -63,6 +63,7 @@ class ClipView {
   private clip: Clip | undefined;
   private properties: ClipProperties | undefined;
   private segments: SegmentPanel | undefined;
+  private compare: ComparePanel | undefined;
 
   constructor(
     host: HTMLElement,
@@ -132,6 +133,7 @@ class ClipView {
       this.stages,
       pane,
     );
+    this.compare = compare;
     this.controls.append(
       player.node,
       element(
@@ -191,6 +193,7 @@ class ClipView {
       if (change.case === 'deleted' && change.value === name) this.showDeleted();
     }
     this.segments?.follow(changes);
+    this.compare?.follow(changes);
   }
 
   // Shows the stored properties: changes of other clients can have been missed.

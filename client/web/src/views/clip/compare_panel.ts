@@ -1,4 +1,7 @@
+import { Code } from '@connectrpc/connect';
+import { hasCode } from '../../api/errors';
 import { readClipIds } from '../../api/lists';
+import type { Clip, WatchDatabaseResponse } from '../../api/messages';
 import { NewestCall } from '../../api/newest_call';
 import { clipName } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
@@ -8,12 +11,14 @@ import { alignmentOffset } from '../../motion/alignment';
 import type { PlaybackClock } from '../../player/playback_clock';
 import type { ViewContext, ViewParams } from '../../shell/view';
 import { kStageParts, type StagePart } from '../../stage/motion_stage';
+import { mayHaveNewMotion } from './motion_change';
 import { MotionPane } from './motion_pane';
 
 // A second clip beside the first, shown at the same time plus an offset.
 export class ComparePanel {
   readonly node: HTMLElement;
   private readonly notice = new Notice();
+  private readonly motionNotice = new Notice();
   private unlinkCameras: () => void = () => undefined;
   private readonly namesNotice = new Notice();
   private readonly clip: HTMLInputElement;
@@ -22,6 +27,8 @@ export class ComparePanel {
   private readonly align: HTMLButtonElement;
   private readonly opening: NewestCall;
   private pane: MotionPane | undefined;
+  // The newest version that the page knows; the motion can be that of an older one.
+  private second: Clip | undefined;
 
   constructor(
     private readonly context: ViewContext,
@@ -58,6 +65,7 @@ export class ComparePanel {
       labelled('Offset, s', this.offset),
       this.align,
       this.notice.node,
+      this.motionNotice.node,
       this.namesNotice.node,
     );
     this.clip.addEventListener('change', () => void this.openClip());
@@ -78,6 +86,45 @@ export class ComparePanel {
 
   setPart(part: StagePart, on: boolean): void {
     this.pane?.stage.setPart(part, on);
+  }
+
+  // Shows what other clients have changed. No changes: some can have been missed.
+  follow(changes: readonly WatchDatabaseResponse[]): void {
+    if (changes.length === 0) void this.readAgain();
+    for (const { change } of changes) {
+      const name = this.second?.name;
+      if (change.case === 'clip' && change.value.name === name) this.followClip(change.value);
+      if (change.case === 'deleted' && change.value === name) this.showDeleted();
+    }
+  }
+
+  private async readAgain(): Promise<void> {
+    const { second, pane } = this;
+    if (!second) return;
+    const { signal } = this.disposer;
+    try {
+      const { clip } = await this.context.api.clips.getClip({ name: second.name }, { signal });
+      if (clip && this.pane === pane) this.followClip(clip);
+    } catch (error) {
+      if (this.pane !== pane) return;
+      if (hasCode(error, Code.NotFound)) this.showDeleted();
+      this.context.connection.whenRestored(error, signal, () => void this.readAgain());
+    }
+  }
+
+  // A new motion waits until the user loads it, as that of the first clip.
+  private followClip(clip: Clip): void {
+    if (this.second && mayHaveNewMotion(this.second, clip)) {
+      this.motionNotice.message(
+        'The second clip was replaced or derived again. Its motion shown here can be the old one.',
+        [button('Load the new motion of the second clip', () => void this.openClip())],
+      );
+    }
+    this.second = clip;
+  }
+
+  private showDeleted(): void {
+    this.motionNotice.message('Another client has deleted the second clip.');
   }
 
   private get offsetSeconds(): number {
@@ -136,6 +183,7 @@ export class ComparePanel {
         },
       );
       this.pane = pane;
+      this.second = clip;
       this.stages.append(pane.node);
       this.linkCameras(pane);
       void pane.load();
@@ -152,6 +200,8 @@ export class ComparePanel {
     this.unlinkCameras = () => undefined;
     this.pane?.dispose();
     this.pane = undefined;
+    this.second = undefined;
+    this.motionNotice.clear();
   }
 
   // The second camera looks from the same side as the first.

@@ -186,6 +186,32 @@ test('two browsers have sessions of their own', async (t) => {
   assert.equal(await second.locator('input[name=token]').count(), 1);
 });
 
+// The tabs of a browser share its login.
+test('a login in another tab changes what the page offers', async (t) => {
+  const reader = await createToken('ROLE_READER');
+  const first = await newPage(t);
+  const second = await newPage(t, { context: first.context() });
+  await first.goto(`${setup.secure}/#/admin`);
+  await first.locator('input[name=token]').waitFor();
+  assert.equal(await first.title(), 'Log in - motiondb');
+  const audit = first.getByRole('heading', { name: 'Audit log' });
+  await logIn(first, setup.adminToken);
+  await audit.waitFor();
+  assert.equal(await first.title(), 'Server - motiondb');
+  const logInSecond = async (token) => {
+    await second.goto(`${setup.secure}/`);
+    await second.getByRole('button', { name: 'Log out' }).click();
+    await logIn(second, token);
+  };
+  await logInSecond(reader.secret);
+  await first.locator('header', { hasText: reader.name }).waitFor();
+  await first.getByRole('heading', { name: 'Status' }).waitFor();
+  assert.equal(await audit.count(), 0);
+  await logInSecond(setup.adminToken);
+  await audit.waitFor();
+  assert.equal(await first.locator('header', { hasText: reader.name }).count(), 0);
+});
+
 // Stores a database with a clip, for one test. Returns the operation that builds its model.
 async function storePrivate(t) {
   await call(setup.secure, 'DatabaseService/CreateDatabase', { databaseId: 'private' });

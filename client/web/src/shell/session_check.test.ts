@@ -108,6 +108,27 @@ test('another login of the browser restarts the page', async () => {
   expect(connection.state).toBe('connected');
 });
 
+test('a login in another tab ends the form of the login', async () => {
+  let answer: object = revoked;
+  stubServer(() => Response.json(answer));
+  const connection = new Connection(() => Promise.resolve());
+  let present = admin;
+  const { changed } = start(connection, () => present);
+  await vi.advanceTimersByTimeAsync(6000);
+  expect([connection.state, changed.mock.calls.length]).toEqual(['login', 0]);
+  answer = { authenticationRequired: true, principal: 'tokens/2', role: 'reader' };
+  await vi.advanceTimersByTimeAsync(3000);
+  expect(changed).toHaveBeenCalledTimes(1);
+  present = parseSession(answer);
+  connection.succeeded();
+  await vi.advanceTimersByTimeAsync(6000);
+  expect(changed).toHaveBeenCalledTimes(1);
+  // A page that opened without a login.
+  present = parseSession(revoked);
+  await vi.advanceTimersByTimeAsync(3000);
+  expect(changed).toHaveBeenCalledTimes(2);
+});
+
 test('a check that waits behind an upload or other answers is not a lost connection', async () => {
   stubServer(() => undefined);
   const connection = new Connection(() => new Promise(() => undefined));

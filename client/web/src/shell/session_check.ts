@@ -22,18 +22,19 @@ export interface SessionCheckOptions {
 // own. A read without an answer counts only if nothing else of the server arrives either.
 export function checkSession({ connection, traffic, present, changed }: SessionCheckOptions): void {
   const check = async () => {
-    if (connection.state !== 'connected') return;
+    const { state } = connection;
+    if (state === 'lost') return;
     const before = present();
     const began = performance.now();
     try {
       const session = await readSession();
       // The user can have logged in or out since.
-      if (before !== present() || before.role === null) return;
-      if (session.role === null) {
-        if (session.authenticationRequired)
-          connection.failed(new ConnectError(session.reason, Code.Unauthenticated));
-      } else if (!isSameLogin(before, session)) {
-        changed();
+      if (before !== present() || state !== connection.state) return;
+      const showsLogin = state === 'login' || before.role === null;
+      if (session.role !== null) {
+        if (showsLogin || !isSameLogin(before, session)) changed();
+      } else if (session.authenticationRequired && !showsLogin) {
+        connection.failed(new ConnectError(session.reason, Code.Unauthenticated));
       }
     } catch (error) {
       const isLate = error instanceof DOMException && error.name === 'TimeoutError';

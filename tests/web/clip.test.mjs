@@ -194,6 +194,12 @@ test('the keyboard plays and steps, and the recorded skeleton can be alone', asy
     .evaluateAll((options) => options.map((option) => option.value.slice('joint:'.length)));
   assert.ok(names.size > 0);
   for (const name of names) assert.ok(joints.includes(name), name);
+  // Without both, nothing is named.
+  await page.getByLabel('Recorded skeleton').uncheck();
+  for (let y = 0.2; y < 0.8; y += 0.04) {
+    await page.mouse.move(box.x + box.width / 2, box.y + y * box.height);
+    assert.equal(await page.locator('.scene .overlay:visible').count(), 0);
+  }
 });
 
 test('without WebGL the player, segments and curves work', async (t) => {
@@ -273,7 +279,21 @@ test('a clip that is replaced or derived again while it is open can be loaded', 
       '',
     ].join('\n'),
   });
+  // The list draws its picture again, and the second of two clips offers its new motion, too.
+  const list = await newPage(t);
+  const read = () => list.waitForResponse(/ReadClipMotion/);
+  await Promise.all([read(), list.goto(`${setup.open}/#/clips/replaced`)]);
+  const drawnAgain = read();
+  const pair = await newPage(t, { viewport: { width: 700, height: 500 } });
+  await pair.goto(`${setup.open}/#/clip/replaced/part?show=markers&with=part`);
+  await pair.getByRole('button', { name: 'Align' }).and(pair.locator(':enabled')).waitFor();
   await callAsOther('DatabaseService/ReprocessDatabase', { name: 'databases/replaced' });
   await load.click();
   assert.ok(distance(await checkMotion(page), replaced) > 0.01);
+  await drawnAgain;
+  const loadSecond = pair.getByRole('button', { name: 'Load the new motion of the second clip' });
+  await loadSecond.click();
+  await loadSecond.waitFor({ state: 'detached' });
+  await pair.getByRole('button', { name: 'Align' }).and(pair.locator(':enabled')).waitFor();
+  assert.equal(await pair.locator('.motion-pane').count(), 2);
 });

@@ -4,7 +4,7 @@ import { execFile } from 'node:child_process';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { promisify } from 'node:util';
-import { newPage } from './support/browser.mjs';
+import { drop, newPage, until } from './support/browser.mjs';
 import { OwnServer } from './support/own_server.mjs';
 import { setup } from './support/setup.mjs';
 
@@ -106,6 +106,51 @@ test('a view whose scripts could not be loaded opens when the server is back', a
   }
   await page.getByText('Variance along').first().waitFor();
   assert.equal(await banner(page).count(), 0);
+});
+
+// A proxy or an extension of the browser can block scripts of a page whose server answers.
+test('a view whose scripts stay blocked loads the page again once, and shows the error', async (t) => {
+  const page = await open(t, 'clips/own');
+  await page.locator('main tbody tr').first().waitFor();
+  await page.route('**/assets/database_view-*.js', (route) => route.abort());
+  let loads = 0;
+  page.on('load', () => ++loads);
+  await page.evaluate(() => {
+    location.hash = '/database/own';
+  });
+  const error = page.locator('main .notice.error', { hasText: 'scripts of this view' });
+  await until(() => assert.equal(loads, 1));
+  await error.waitFor();
+  await page.waitForTimeout(5000);
+  assert.deepEqual([loads, await error.count(), await banner(page).count()], [1, 1, 0]);
+  assert.equal(await page.title(), 'Database - motiondb');
+  await page.getByRole('link', { name: 'Clips' }).click();
+  await page.locator('main tbody tr').first().waitFor();
+  await page.goBack();
+  await until(() => assert.equal(loads, 2));
+  await error.waitFor();
+  await page.unroute('**/assets/database_view-*.js');
+  await error.getByRole('button', { name: 'Try again' }).click();
+  await page.getByText('Variance along').first().waitFor();
+});
+
+test('an upload that takes long, and delays the check of the session, is no lost connection', async (t) => {
+  const page = await open(t, 'clips/own');
+  await page.locator('main tbody tr').first().waitFor();
+  let uploads = 0;
+  await page.route('**/UploadClip', async (route) => {
+    ++uploads;
+    await new Promise((resolve) => setTimeout(resolve, 12_000));
+    await route.abort();
+  });
+  let checks = 0;
+  await page.route('**/session', () => ++checks); // no answer
+  await drop(page.locator('main'), 'large.bvh', Buffer.alloc(2 << 20, ' '));
+  await until(() => assert.deepEqual([uploads, checks], [1, 1]));
+  await page.waitForTimeout(7000);
+  assert.equal(await banner(page).count(), 0);
+  await page.getByText('does not answer').first().waitFor(); // of the upload
+  await banner(page).waitFor();
 });
 
 test('a server that hangs is reported, and the view goes on when it answers', async (t) => {

@@ -46,6 +46,16 @@ test('a deep path gives the page, an unknown file is not found', async (t) => {
   assert.equal((await fetch(`${setup.open}/assets/none.js`)).status, 404);
 });
 
+test('the theme button offers the other theme when the system changes', async (t) => {
+  const page = await newPage(t, { colorScheme: 'light' });
+  await page.goto(`${setup.open}/#/clips/demo`);
+  await page.getByRole('button', { name: 'Dark' }).waitFor();
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await page.getByRole('button', { name: 'Light' }).click();
+  await page.getByRole('button', { name: 'Dark' }).waitFor();
+  assert.equal(await page.locator('html').getAttribute('data-theme'), 'light');
+});
+
 test('a database that is new is chosen without a reload', async (t) => {
   const page = await newPage(t);
   await page.goto(`${setup.open}/#/clips/demo`);

@@ -46,6 +46,56 @@ test('without loop it stops at the last frame, and begins anew when played again
   expect(clock.time).toBe(0);
 });
 
+// Pictures of 60 and 120 Hz screens, of clips whose frames are longer than these at some speeds.
+const steps = [1 / 60, 1 / 120].flatMap((step) =>
+  [1, 0.5, 0.1].flatMap((speed) => [30, 60].map((rate) => ({ step, speed, rate }))),
+);
+
+// The frames that are shown in the pictures until the clock stops, or at most in `seconds`.
+function playFor(clock: PlaybackClock, step: number, seconds: number): number[] {
+  const frames: number[] = [];
+  for (let at = 0; at < seconds && clock.playing; at += step) {
+    frames.push(clock.frame);
+    clock.advance(step);
+    expect(clock.time).toBeLessThanOrEqual(clock.duration - 1 / clock.frameRate);
+  }
+  return frames;
+}
+
+test.each(steps)('ends with steps of $step s at $speed x, $rate Hz', ({ step, speed, rate }) => {
+  for (const range of [null, { begin: 0.5, end: 1 }]) {
+    const clock = new PlaybackClock(1, rate);
+    clock.loop = false;
+    clock.speed = speed;
+    clock.range = range;
+    clock.seek(range?.begin ?? 0);
+    clock.play();
+    const length = (1 - (range?.begin ?? 0)) / speed;
+    const pictures = playFor(clock, step, 2 * length + 1).length;
+    expect(clock.playing).toBe(false);
+    expect(clock.frame).toBe(rate - 1);
+    expect(clock.time).toBeCloseTo(1 - 1 / rate, 9);
+    expect(Math.abs(pictures * step - length)).toBeLessThan(1.5 * step);
+  }
+});
+
+test.each(steps)('loops with steps of $step s at $speed x, $rate Hz', ({ step, speed, rate }) => {
+  for (const begin of [0, 0.5]) {
+    const clock = new PlaybackClock(1, rate);
+    clock.speed = speed;
+    clock.range = begin > 0 ? { begin, end: 1 } : null;
+    clock.seek(begin);
+    clock.play();
+    const frames = playFor(clock, step, (3.5 * (1 - begin)) / speed);
+    expect(clock.playing).toBe(true);
+    const starts = frames.flatMap((frame, i) => (i > 0 && frame < frames[i - 1]! ? [i] : []));
+    expect(starts.length).toBe(3);
+    // The last frame is shown as long as each other, to a picture.
+    const last = frames.slice(0, starts[0]).filter((frame) => frame === rate - 1).length;
+    expect(Math.abs(last - 1 / (rate * step * speed))).toBeLessThanOrEqual(1);
+  }
+});
+
 test('stays inside the clip', () => {
   const clock = new PlaybackClock(1, 60);
   for (const seconds of [-3, NaN, 99, Infinity]) {

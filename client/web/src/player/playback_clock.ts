@@ -8,7 +8,7 @@ export interface PlaybackRange {
 }
 
 export class PlaybackClock {
-  // Seconds from the start of the clip.
+  // Seconds from the start of the clip. While it plays, also inside the last frame.
   private seconds = 0;
   private running = false;
   private readonly listeners = new Set<(clock: PlaybackClock) => void>();
@@ -21,8 +21,9 @@ export class PlaybackClock {
     private frameRateHz: number,
   ) {}
 
+  // Seconds from the start of the clip, at most the start of the last frame.
   get time(): number {
-    return this.seconds;
+    return Math.min(this.seconds, this.lastFrameSeconds);
   }
 
   get duration(): number {
@@ -68,8 +69,8 @@ export class PlaybackClock {
   }
 
   seek(seconds: number): void {
-    const lastFrame = Math.max(0, this.lengthSeconds - 1 / this.frameRateHz);
-    this.seconds = Math.min(Math.max(0, Number.isFinite(seconds) ? seconds : 0), lastFrame);
+    const inside = Math.max(0, Number.isFinite(seconds) ? seconds : 0);
+    this.seconds = Math.min(inside, this.lastFrameSeconds);
     this.tell();
   }
 
@@ -98,21 +99,26 @@ export class PlaybackClock {
     else this.play();
   }
 
-  // Moves by the time that has passed. At the end it begins again or stops.
+  // Moves by the time that has passed. At the end it begins again or stops. The last frame is shown
+  // as long as each other: a step can be shorter than a frame, so `seek` would hold it there.
   advance(elapsedSeconds: number): void {
     if (!this.running) return;
     const begin = this.loopRange?.begin ?? 0;
     const end = Math.min(this.loopRange?.end ?? this.lengthSeconds, this.lengthSeconds);
-    let next = this.seconds + elapsedSeconds * this.speed;
-    if (next >= end) {
-      if (this.loop) {
-        next = begin + ((next - begin) % Math.max(end - begin, 1 / this.frameRateHz));
-      } else {
-        next = Math.max(begin, end - 1 / this.frameRateHz);
-        this.running = false;
-      }
+    const next = this.seconds + elapsedSeconds * this.speed;
+    if (next < end) {
+      this.seconds = Math.max(0, next);
+      this.tell();
+    } else if (this.loop) {
+      this.seek(begin + ((next - begin) % Math.max(end - begin, 1 / this.frameRateHz)));
+    } else {
+      this.running = false;
+      this.seek(Math.max(begin, end - 1 / this.frameRateHz));
     }
-    this.seek(next);
+  }
+
+  private get lastFrameSeconds(): number {
+    return Math.max(0, this.lengthSeconds - 1 / this.frameRateHz);
   }
 
   private tell(): void {

@@ -1,9 +1,4 @@
-import type uPlot from 'uplot';
-
-export interface ChartRange {
-  min: number;
-  max: number;
-}
+import { rangeInside, type ChartRange, type ZoomTarget } from './chart_range';
 
 // The range with which what was at the places `before` is at `after`, in px from the left end of a
 // plot of this width; at most `all`. Fingers at one place change nothing.
@@ -18,36 +13,33 @@ export function pinchedRange(
   const [from, to] = before;
   const scale = (to - from) / (after[1] - after[0]);
   if (!(scale > 0) || !Number.isFinite(scale)) return range;
-  const span = Math.min(scale * (range.max - range.min), all.max - all.min);
   const least = range.min + perPixel * (from - scale * after[0]);
-  const min = Math.min(Math.max(least, all.min), all.max - span);
-  return { min, max: min + span };
+  return rangeInside(least, scale * (range.max - range.min), all);
 }
 
-// Two fingers zoom and move a chart along x; uPlot itself knows only the mouse. A double tap shows
-// everything again.
-export function zoomByTouch(chart: uPlot): void {
-  const { over } = chart;
+// Two fingers on a node zoom and move a picture along x.
+export function zoomByTouch(node: Element, target: ZoomTarget): void {
   const fingers = new Map<number, number>();
-  const placeOf = (event: PointerEvent) => event.clientX - over.getBoundingClientRect().left;
-  over.addEventListener('pointerdown', (event) => {
+  const listen = (type: string, call: (event: PointerEvent) => void) => {
+    node.addEventListener(type, call as EventListener);
+  };
+  const placeOf = (event: PointerEvent) => event.clientX - node.getBoundingClientRect().left;
+  listen('pointerdown', (event) => {
     if (event.pointerType === 'touch') fingers.set(event.pointerId, placeOf(event));
   });
-  over.addEventListener('pointermove', (event) => {
+  listen('pointermove', (event) => {
     if (!fingers.has(event.pointerId)) return;
     const before = [...fingers.values()];
     fingers.set(event.pointerId, placeOf(event));
     const after = [...fingers.values()];
-    const { min, max } = chart.scales['x'] ?? {};
-    const times = chart.data[0];
-    if (fingers.size !== 2 || min === undefined || max === undefined) return;
-    const all = { min: times[0] ?? min, max: times.at(-1) ?? max };
+    const ranges = target.ranges();
+    if (fingers.size !== 2 || !ranges) return;
     const pair = (places: number[]) => [places[0] ?? 0, places[1] ?? 0] as const;
-    const width = over.clientWidth;
-    chart.setScale('x', pinchedRange({ min, max }, pair(before), pair(after), width, all));
+    const width = node.clientWidth;
+    target.show(pinchedRange(ranges.shown, pair(before), pair(after), width, ranges.all));
   });
-  for (const type of ['pointerup', 'pointercancel', 'pointerleave'] as const)
-    over.addEventListener(type, (event) => {
+  for (const type of ['pointerup', 'pointercancel', 'pointerleave'])
+    listen(type, (event) => {
       fingers.delete(event.pointerId);
     });
 }

@@ -1,14 +1,17 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
+import { arrowOf } from '../dom/arrow_keys';
 import { element } from '../dom/element';
 import type { ThemeSwitch } from '../shell/theme';
-import { rangeAfterKey } from './chart_keys';
+import { zoomByKeys } from './chart_keys';
 import { zoomByTouch } from './chart_pinch';
+import { rangeInside, type ChartRange, type ZoomTarget } from './chart_range';
 
 export interface ChartLine {
   name: string;
-  // Name of a colour of the style sheet, such as --left.
+  // A colour, or the name of one of the style sheet, such as --left.
   color: string;
+  dash?: readonly number[];
   values: ArrayLike<number | null>;
 }
 
@@ -21,14 +24,22 @@ export interface ChartOptions {
   times?: boolean;
   // Name or unit of x, if it is no time of day; default: s.
   x?: string;
+  // Label of the axis of x; default: none.
+  xLabel?: string;
+  // Default: true.
+  legend?: boolean;
   height?: number;
   // The user has clicked at x.
   pick?: (x: number) => void;
+  // The line that is nearest to the pointer, or chosen by the keys up and down, and the index of the
+  // value at the pointer. The chart draws the others faintly.
+  near?: (line: number | undefined, index: number | undefined) => void;
 }
 
 const kHeight = 180;
 
-// Lines over a common x, with a vertical line at a moment. The keys +, - and 0 zoom.
+// Lines over a common x, with a vertical line at a moment. The keys +, - and 0, dragging and two
+// fingers zoom; other values keep the zoom.
 export class LineChart {
   readonly node: HTMLElement;
   private chart: uPlot | undefined;
@@ -36,6 +47,9 @@ export class LineChart {
   private unit: string;
   private x: ArrayLike<number> = [];
   private marked = NaN;
+  // Undefined: all is shown.
+  private zoom: ChartRange | undefined;
+  private chosen = -1;
   private readonly mark = element('div', { class: 'chart-mark', hidden: true });
   private readonly observer: ResizeObserver;
   private readonly remove: () => void;
@@ -48,9 +62,11 @@ export class LineChart {
       'aria-label': options.label,
       tabindex: 0,
     });
-    this.node.addEventListener('keydown', (event) => {
-      this.press(event);
-    });
+    zoomByKeys(this.node, this.zoomTarget, () => this.marked);
+    if (options.near)
+      this.node.addEventListener('keydown', (event) => {
+        this.chooseLine(event);
+      });
     this.observer = new ResizeObserver(() => {
       const width = this.node.clientWidth;
       if (width > 0) this.chart?.setSize({ width, height: this.height });
@@ -67,12 +83,22 @@ export class LineChart {
     const same =
       unit === this.unit &&
       this.lines.length === lines.length &&
-      this.lines.every((line, index) => line.name === lines[index]?.name);
+      this.lines.every((line, index) => isSameLine(line, lines[index]));
     this.unit = unit;
     this.x = x;
     this.lines = lines;
-    if (same && this.chart) this.chart.setData(this.data());
-    else this.build();
+    if (!same || !this.chart) {
+      this.build();
+      return;
+    }
+    const { all } = this;
+    if (!this.zoom || !all) {
+      this.chart.setData(this.data());
+      return;
+    }
+    const { min, max } = this.zoom;
+    this.chart.setData(this.data(), false);
+    this.chart.setScale('x', rangeInside(min, max - min, all));
   }
 
   // Marks a moment by a line; NaN: none.
@@ -86,6 +112,7 @@ export class LineChart {
     this.remove();
     this.chart?.destroy();
     this.chart = undefined;
+    this.lines = [];
     this.node.remove();
   }
 
@@ -101,14 +128,19 @@ export class LineChart {
 
   private build(): void {
     this.chart?.destroy();
+    this.chart = undefined;
+    this.chosen = -1;
     this.node.replaceChildren();
     if (this.lines.length === 0) return;
-    const { theme } = this.options;
+    const { theme, near } = this.options;
+    const { zoom, all } = this;
     const axis: uPlot.Axis = {
       stroke: theme.color('--text'),
       grid: { stroke: theme.color('--line'), width: 1 },
       ticks: { stroke: theme.color('--line'), width: 1 },
     };
+    const { xLabel } = this.options;
+    const xAxis = xLabel === undefined ? axis : { ...axis, label: xLabel, labelSize: 18 };
     this.chart = new uPlot(
       {
         width: Math.max(100, this.node.clientWidth),
@@ -116,21 +148,39 @@ export class LineChart {
         scales: { x: { time: this.options.times === true } },
         // As all times of the page and of the log.
         tzDate: (seconds) => uPlot.tzDate(new Date(1000 * seconds), 'Etc/UTC'),
-        axes: [axis, { ...axis, label: this.unit, size: 56, labelSize: 18, space: 24 }],
+        legend: { show: this.options.legend !== false },
+        axes: [xAxis, { ...axis, label: this.unit, size: 56, labelSize: 18, space: 24 }],
         series: [
           { label: this.options.times === true ? 'time' : (this.options.x ?? 's') },
           ...this.lines.map((line) => ({
             label: line.name,
-            stroke: theme.color(line.color),
+            stroke: line.color.startsWith('--') ? theme.color(line.color) : line.color,
+            dash: [...(line.dash ?? [])],
             width: 1.5,
-            points: { show: false },
+            // A line of one value has no length.
+            points: { show: (chart: uPlot) => chart.data[0].length === 1 },
           })),
         ],
-        cursor: { drag: { x: true, y: false } },
+        cursor: {
+          drag: { x: true, y: false },
+          ...(near ? { focus: { prox: Number.MAX_VALUE } } : {}),
+        },
         hooks: {
           draw: [
             () => {
               this.placeMark();
+            },
+          ],
+          setScale: [
+            (chart, scale) => {
+              if (chart === this.chart && scale === 'x') this.noteZoom();
+            },
+          ],
+          setSeries: [
+            (chart, series) => {
+              if (chart !== this.chart || !near) return;
+              this.chosen = (series ?? 0) - 1;
+              near(this.chosen < 0 ? undefined : this.chosen, chart.cursor.idx ?? undefined);
             },
           ],
         },
@@ -138,23 +188,48 @@ export class LineChart {
       this.data(),
       this.node,
     );
-    this.chart.over.append(this.mark);
-    zoomByTouch(this.chart);
+    if (zoom && all) this.chart.setScale('x', rangeInside(zoom.min, zoom.max - zoom.min, all));
     const { over } = this.chart;
+    over.append(this.mark);
+    zoomByTouch(over, this.zoomTarget);
     over.addEventListener('click', (event) => {
       if (this.chart) this.options.pick?.(this.chart.posToVal(event.offsetX, 'x'));
     });
   }
 
-  private press(event: KeyboardEvent): void {
-    const { min, max } = this.chart?.scales['x'] ?? {};
-    if (min === undefined || max === undefined) return;
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    const all = { min: this.x[0] ?? min, max: this.x[this.x.length - 1] ?? max };
-    const range = rangeAfterKey(event.key, { min, max }, this.marked, all);
-    if (!range) return;
+  // Undefined without values.
+  private get all(): ChartRange | undefined {
+    const [min, max] = [this.x[0], this.x[this.x.length - 1]];
+    return min === undefined || max === undefined ? undefined : { min, max };
+  }
+
+  private readonly zoomTarget: ZoomTarget = {
+    ranges: () => {
+      const { min, max } = this.chart?.scales['x'] ?? {};
+      const { all } = this;
+      return min === undefined || max === undefined || !all
+        ? undefined
+        : { shown: { min, max }, all };
+    },
+    show: (range) => {
+      this.chart?.setScale('x', range);
+    },
+  };
+
+  private noteZoom(): void {
+    const { shown, all } = this.zoomTarget.ranges() ?? {};
+    const zoomed = shown && all && (shown.min > all.min || shown.max < all.max);
+    this.zoom = zoomed ? shown : undefined;
+  }
+
+  private chooseLine(event: KeyboardEvent): void {
+    const step = arrowOf(event.key)?.up ?? 0;
+    if (step === 0 || this.lines.length === 0) return;
     event.preventDefault();
-    this.chart?.setScale('x', range);
+    // Up from no line is the first one, down the last one.
+    const from = this.chosen < 0 && step < 0 ? 0 : this.chosen;
+    const line = (from + step + this.lines.length) % this.lines.length;
+    this.chart?.setSeries(line + 1, { focus: true });
   }
 
   private placeMark(): void {
@@ -172,4 +247,9 @@ export class LineChart {
     const width = this.chart.bbox.width / devicePixelRatio;
     return part >= 0 && part <= 1 ? Math.round(part * width) : undefined;
   }
+}
+
+function isSameLine(a: ChartLine, b: ChartLine | undefined): boolean {
+  const dashOf = ({ dash = [] }: ChartLine) => dash.join();
+  return b !== undefined && a.name === b.name && a.color === b.color && dashOf(a) === dashOf(b);
 }

@@ -28,6 +28,9 @@ import { ProfilePanel } from './query/profile_panel';
 vi.mock('./query/profile_chart', () => ({
   ProfileChart: class {
     node = document.createElement('figure');
+    constructor(readonly profile: unknown) {}
+    setStyles = vi.fn();
+    mark = vi.fn();
     dispose() {
       this.node.remove();
     }

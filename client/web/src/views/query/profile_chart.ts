@@ -1,81 +1,82 @@
-import uPlot from 'uplot';
-import 'uplot/dist/uPlot.min.css';
-import { element } from '../../dom/element';
 import { lastPart } from '../../api/resource_names';
+import { LineChart } from '../../chart/line_chart';
+import { element } from '../../dom/element';
 import { labelName } from '../../drawing/legend';
 import type { LabelStyle } from '../../drawing/palette';
 import type { ThemeSwitch } from '../../shell/theme';
-import { rangeOf, type Profile } from './profile_series';
+import { rangeOf, type ClipProfile, type Profile } from './profile_series';
 
 const kHeight = 240;
 // Lines of a chart; of more clips, those with the highest values.
 const kMaxLines = 120;
+const kNoLine = 'Point at a line, or press the keys up and down, to see its clip.';
 
 // The generation probability of each clip over time at one layer (Figs. 13 to 15): lines have the
-// colour of the clip's label.
+// colour of the clip's label. Text names the clip of the nearest line.
 export class ProfileChart {
   readonly node = element('figure', { class: 'profile' });
-  private chart: uPlot | undefined;
-  private readonly host = element('div');
-  private readonly observer: ResizeObserver;
+  private readonly chart: LineChart;
+  private readonly clips: readonly ClipProfile[];
+  private readonly near = element('output', { class: 'hint profile-near' }, kNoLine);
 
   constructor(
-    profile: Profile,
+    readonly profile: Profile,
     styles: ReadonlyMap<string, LabelStyle>,
     theme: ThemeSwitch,
     seek: (seconds: number) => void,
   ) {
     const caption = `Layer ${profile.layer}: ${describeProfile(profile)}`;
-    this.node.append(element('figcaption', {}, caption), this.host);
-    this.host.setAttribute('role', 'img');
-    this.host.setAttribute('aria-label', `Generation probability over time. ${caption}`);
-    const clips = strongest(profile, kMaxLines);
-    const axis: uPlot.Axis = {
-      stroke: theme.color('--text'),
-      grid: { stroke: theme.color('--line'), width: 1 },
-      ticks: { stroke: theme.color('--line'), width: 1 },
-    };
-    const options: uPlot.Options = {
-      width: 400,
+    this.clips = strongest(profile, kMaxLines);
+    this.chart = new LineChart({
+      theme,
+      label: `Generation probability over time. ${caption}`,
+      unit: 'log probability',
+      xLabel: 'time (s)',
+      legend: false,
       height: kHeight,
-      legend: { show: false },
-      scales: { x: { time: false } },
-      axes: [
-        { ...axis, label: 'time (s)', labelSize: 18 },
-        { ...axis, label: 'log probability', size: 62, labelSize: 18 },
-      ],
-      series: [
-        {},
-        ...clips.map(({ clip, label }) => {
-          const style = styles.get(label);
-          return {
-            label: lastPart(clip),
-            stroke: style?.color ?? 'gray',
-            dash: style?.dash ?? [],
-            width: 1.5,
-            points: { show: profile.times.length === 1 },
-          };
-        }),
-      ],
-    };
-    const data = [profile.times, ...clips.map((clip) => clip.logProbabilities)];
-    this.chart = new uPlot(options, data as uPlot.AlignedData, this.host);
-    this.chart.over.addEventListener('click', () => {
-      const left = this.chart?.cursor.left ?? -1;
-      if (left >= 0) seek(this.chart?.posToVal(left, 'x') ?? 0);
+      pick: seek,
+      near: (line, index) => {
+        const clip = line === undefined ? undefined : this.clips[line];
+        this.near.textContent = clip ? describeLine(clip, profile.times, index) : kNoLine;
+      },
     });
-    this.observer = new ResizeObserver(() => {
-      const width = this.node.clientWidth;
-      if (width > 0) this.chart?.setSize({ width, height: kHeight });
+    this.node.append(element('figcaption', {}, caption), this.chart.node, this.near);
+    this.setStyles(styles);
+  }
+
+  setStyles(styles: ReadonlyMap<string, LabelStyle>): void {
+    const lines = this.clips.map(({ clip, label, logProbabilities }) => {
+      const { color = 'gray', dash = [] } = styles.get(label) ?? {};
+      return { name: lastPart(clip), color, dash, values: logProbabilities };
     });
-    this.observer.observe(this.node);
+    this.chart.setData(this.profile.times, lines);
+  }
+
+  // Marks a moment of the motion.
+  mark(seconds: number): void {
+    this.chart.setMark(seconds);
   }
 
   dispose(): void {
-    this.observer.disconnect();
-    this.chart?.destroy();
-    this.chart = undefined;
+    this.chart.dispose();
+    this.node.remove();
   }
+}
+
+// A clip, its label, and its value at the index, or else its highest one.
+export function describeLine(
+  { clip, label, logProbabilities }: ClipProfile,
+  times: readonly number[],
+  index: number | undefined,
+): string {
+  const name = `${lastPart(clip)} (${labelName(label)})`;
+  const values = logProbabilities.map((value) => value ?? -Infinity);
+  const at = index ?? values.indexOf(Math.max(...values));
+  const value = logProbabilities[at];
+  const time = times[at];
+  if (value === undefined || value === null || time === undefined) return name;
+  const place = index === undefined ? 'highest at' : 'at';
+  return `${name}: ${value.toFixed(1)} ${place} ${time.toFixed(2)} s`;
 }
 
 // The label that is in front at most windows, as text.

@@ -33,6 +33,7 @@ export class ProfilePanel {
   private readonly notice = new Notice();
   private drawn: ProfileChart[] = [];
   private profiles: Profile[] = [];
+  private seconds = 0;
   private loading = new AbortController();
   private readonly removeTheme: () => void;
 
@@ -110,16 +111,28 @@ export class ProfilePanel {
     return comparedLayers(model?.nodesPerLayer.length ?? 1);
   }
 
+  // Marks a moment of the motion in all charts.
+  mark(seconds: number): void {
+    this.seconds = seconds;
+    for (const chart of this.drawn) chart.mark(seconds);
+  }
+
+  // Charts that are shown already stay, with their zoom.
   private draw(): void {
-    for (const chart of this.drawn) chart.dispose();
     const { theme } = this.context;
+    const before = this.drawn;
     const labels = this.profiles.flatMap(({ clips }) => clips.map(({ label }) => label));
     this.palette.add(labels);
     const styles = this.palette.styles(theme.name);
-    this.drawn = this.profiles.map(
-      (profile) => new ProfileChart(profile, styles, theme, this.seek),
-    );
+    this.drawn = this.profiles.map((profile) => {
+      const shown = before.find((chart) => chart.profile === profile);
+      shown?.setStyles(styles);
+      return shown ?? new ProfileChart(profile, styles, theme, this.seek);
+    });
+    for (const chart of before) if (!this.drawn.includes(chart)) chart.dispose();
     this.legend.replaceChildren(...legendEntries(labels, styles));
-    this.charts.replaceChildren(...this.drawn.map((chart) => chart.node));
+    for (const chart of this.drawn)
+      if (chart.node.parentNode !== this.charts) this.charts.append(chart.node);
+    this.mark(this.seconds);
   }
 }

@@ -119,6 +119,7 @@ class QueryPage implements View {
       this.clock.onChange(() => {
         this.stage.show(this.clock.time);
         this.ribbon.mark(this.clock.time);
+        this.profiles.mark(this.clock.time);
       }),
     );
     this.disposer.add(

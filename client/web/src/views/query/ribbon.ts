@@ -1,3 +1,7 @@
+import { zoomByKeys } from '../../chart/chart_keys';
+import { zoomByTouch } from '../../chart/chart_pinch';
+import { rangeInside, type ChartRange, type ZoomTarget } from '../../chart/chart_range';
+import { zoomByWheel } from '../../chart/chart_wheel';
 import { element, replaceChildren, svgElement } from '../../dom/element';
 import { percent } from '../../dom/format';
 import { labelName, legendEntries } from '../../drawing/legend';
@@ -8,14 +12,18 @@ const kWidth = 1000;
 const kHeight = 90;
 
 // The probabilities of labels and of unknown motion over time, below a playing motion. A click
-// moves the motion; for keys there is the slider of the player.
+// moves the motion; for keys there is the slider of the player. The wheel, two fingers and the keys
+// +, - and 0 zoom.
 export class RecognitionRibbon {
   readonly node = element('section', { class: 'ribbon', 'aria-label': 'Recognition' });
   private readonly picture = svgElement('svg', {
     viewBox: `0 0 ${kWidth} ${kHeight}`,
     preserveAspectRatio: 'none',
-    'aria-hidden': 'true',
+    role: 'img',
+    'aria-label': 'Probabilities of labels over time. The keys plus and minus zoom, 0 shows all.',
+    tabindex: 0,
   });
+  private readonly hatching = unknownPattern();
   private readonly areas = svgElement('g');
   private readonly head = svgElement('line', { class: 'playhead', y1: 0, y2: kHeight });
   private readonly now = element('p', { class: 'ribbon-now' });
@@ -23,13 +31,30 @@ export class RecognitionRibbon {
   private readonly legend = element('div', { class: 'legend' });
   private windows: readonly LabelledWindow[] = [];
   private duration = 1;
+  private marked = 0;
+  // The part that is shown, s.
+  private range: ChartRange = { min: 0, max: 1 };
   private shownWindow = -2;
 
   constructor(seek: (seconds: number) => void) {
-    this.picture.append(unknownPattern(), this.areas, this.head);
-    this.picture.addEventListener('click', (event) => {
-      const box = this.picture.getBoundingClientRect();
-      seek(((event.clientX - box.left) / Math.max(1, box.width)) * this.duration);
+    const { picture } = this;
+    picture.append(svgElement('defs', {}, this.hatching), this.areas, this.head);
+    picture.addEventListener('click', (event) => {
+      const box = picture.getBoundingClientRect();
+      const { min, max } = this.range;
+      seek(min + ((event.clientX - box.left) / Math.max(1, box.width)) * (max - min));
+    });
+    const target: ZoomTarget = {
+      ranges: () => ({ shown: this.range, all: this.all }),
+      show: (range) => {
+        this.setRange(range);
+      },
+    };
+    zoomByKeys(picture, target, () => this.marked);
+    zoomByTouch(picture, target);
+    zoomByWheel(picture, target);
+    picture.addEventListener('dblclick', () => {
+      this.setRange(this.all);
     });
     const list = element(
       'details',
@@ -46,7 +71,11 @@ export class RecognitionRibbon {
     styles: ReadonlyMap<string, LabelStyle>,
   ): void {
     this.windows = windows;
-    this.duration = Math.max(duration, 1e-6);
+    const length = Math.max(duration, 1e-6);
+    // The same motion in other colours keeps the zoom.
+    if (length !== this.duration || windows.length === 0) this.range = { min: 0, max: length };
+    this.duration = length;
+    this.setRange(this.range);
     this.shownWindow = -2;
     const labels = labelsOf(windows);
     const shapes = ribbonAreas(windows, labels).map((area) => {
@@ -76,8 +105,13 @@ export class RecognitionRibbon {
     );
   }
 
-  // Moves the line of the present time.
+  // Moves the line of the present time, and the part that is shown so that the line is in it.
   mark(seconds: number): void {
+    const { min, max } = this.range;
+    const isOutside = seconds < min || seconds > max;
+    if (isOutside && seconds !== this.marked)
+      this.setRange(rangeInside(seconds, max - min, this.all));
+    this.marked = seconds;
     const x = String((seconds / this.duration) * kWidth);
     this.head.setAttribute('x1', x);
     this.head.setAttribute('x2', x);
@@ -86,6 +120,19 @@ export class RecognitionRibbon {
     this.shownWindow = at;
     const window = this.windows[at];
     this.now.textContent = window ? describeWindow(window) : '';
+  }
+
+  private get all(): ChartRange {
+    return { min: 0, max: this.duration };
+  }
+
+  private setRange(range: ChartRange): void {
+    this.range = range;
+    const part = (range.max - range.min) / this.duration;
+    const left = (range.min / this.duration) * kWidth;
+    this.picture.setAttribute('viewBox', `${left} 0 ${part * kWidth} ${kHeight}`);
+    // The lines of the hatching stay as thick and as steep as without zoom.
+    this.hatching.setAttribute('patternTransform', `scale(${part} 1) rotate(45)`);
   }
 
   private drawLegend(windows: readonly LabelledWindow[], entries: readonly HTMLElement[]): void {
@@ -123,7 +170,7 @@ export function describeWindow(window: LabelledWindow): string {
   return `${parts.join(', ')}; familiarity ${percent(window.familiarity)}`;
 }
 
-function unknownPattern(): SVGDefsElement {
+function unknownPattern(): SVGPatternElement {
   const pattern = svgElement('pattern', {
     id: 'unknown-motion',
     width: 8,
@@ -135,5 +182,5 @@ function unknownPattern(): SVGDefsElement {
     svgElement('rect', { class: 'unknown-ground', width: 8, height: 8 }),
     svgElement('rect', { class: 'unknown-line', width: 2.5, height: 8 }),
   );
-  return svgElement('defs', {}, pattern);
+  return pattern;
 }

@@ -1,15 +1,13 @@
-// A position in the picture, px from its top left.
-export interface PicturePlace {
-  x: number;
-  y: number;
-}
+import { Fingers, type PicturePlace } from '../../dom/fingers';
+
+export type { PicturePlace };
 
 // Zoom and movement of a flat picture, changed by fingers, mouse and keys.
 export class FlatCamera {
   zoom = 1;
   // Movement of the picture to the right and down, px.
   pan: PicturePlace = { x: 0, y: 0 };
-  private readonly fingers = new Map<number, PicturePlace>();
+  private readonly fingers = new Fingers();
   private travelled = 0;
 
   // Zooms so that a place, px from the middle, stays where it is.
@@ -31,30 +29,21 @@ export class FlatCamera {
 
   // Places of pointers are px from the middle.
   down(pointer: number, at: PicturePlace): void {
-    if (this.fingers.size === 0) this.travelled = 0;
-    this.fingers.set(pointer, at);
+    if (this.fingers.count === 0) this.travelled = 0;
+    this.fingers.down(pointer, at);
   }
 
   // One pointer moves the picture, two also zoom it. Returns whether it has changed.
   move(pointer: number, at: PicturePlace): boolean {
-    const before = this.fingers.get(pointer);
-    if (!before) return false;
-    this.fingers.set(pointer, at);
-    const [x, y] = [at.x - before.x, at.y - before.y];
-    this.travelled += Math.hypot(x, y);
-    const other = [...this.fingers].find(([id]) => id !== pointer)?.[1];
-    if (!other) {
-      this.moveBy(x, y);
-      return true;
-    }
-    const spread = (place: PicturePlace) => Math.hypot(place.x - other.x, place.y - other.y);
-    this.moveBy(x / 2, y / 2);
-    const middle = { x: (at.x + other.x) / 2, y: (at.y + other.y) / 2 };
-    this.zoomAt(spread(at) / Math.max(1, spread(before)), middle);
+    const move = this.fingers.move(pointer, at);
+    if (!move) return false;
+    this.travelled += Math.hypot(move.x, move.y) * this.fingers.count;
+    this.moveBy(move.x, move.y);
+    this.zoomAt(move.factor, move.middle);
     return true;
   }
 
   up(pointer: number): void {
-    this.fingers.delete(pointer);
+    this.fingers.up(pointer);
   }
 }

@@ -1,5 +1,6 @@
 import { Disposer } from '../../dom/disposer';
-import { button, element, svgElement } from '../../dom/element';
+import type { PicturePlace } from '../../dom/fingers';
+import { element, svgElement } from '../../dom/element';
 import { Notice } from '../../dom/notice';
 import {
   distance,
@@ -13,11 +14,21 @@ import {
   type ObstacleShape,
 } from './floor_geometry';
 import { drawFloor, type FloorPath } from './floor_picture';
-import { fitWindow, keepInside, toFloor, zoomAt, type FloorWindow } from './floor_window';
+import { FloorPointers } from './floor_pointers';
+import { describeKeys, FloorToolbar } from './floor_toolbar';
+import {
+  fitWindow,
+  gridCentre,
+  keepInside,
+  moveWindow,
+  pinchWindow,
+  toFloor,
+  zoomAt,
+  type FloorWindow,
+} from './floor_window';
 import {
   isPoseTool,
   kCursorTools,
-  kKeys,
   kTools,
   stepOf,
   type FloorTool,
@@ -43,17 +54,15 @@ export class FloorEditor {
     role: 'application',
     'aria-label': 'Floor with start, goal and obstacles',
   });
-  private readonly tools = element('div', {
-    class: 'row',
-    role: 'toolbar',
-    'aria-label': 'Tools of the floor',
-  });
-  private readonly buttons = new Map<FloorTool, HTMLButtonElement>();
+  private readonly toolbar: FloorToolbar;
   private readonly notice = new Notice();
   private readonly disposer = new Disposer();
   private window: FloorWindow | undefined;
   private tool: FloorTool = 'goal';
-  private dragFrom: FloorXY | undefined;
+  private dragFrom: FloorXY = { x: 0, y: 0 };
+  private readonly pointers: FloorPointers;
+  // What a second finger restores.
+  private undo: () => void = () => undefined;
   private readonly drawing: ObstacleDrawing;
   // Where keys draw obstacles.
   private cursor: FloorXY | undefined;
@@ -66,36 +75,23 @@ export class FloorEditor {
     private readonly edits: FloorEdits,
   ) {
     this.drawing = new ObstacleDrawing(obstacles, edits.setObstacles);
-    for (const [tool, , text] of kTools) {
-      const node = button(text, () => {
+    this.toolbar = new FloorToolbar({
+      choose: (tool) => {
         this.choose(tool);
-      });
-      this.buttons.set(tool, node);
-      this.tools.append(node);
-    }
-    const remove = button('Remove obstacle', () => {
-      this.remove();
+      },
+      remove: () => {
+        this.remove();
+      },
+      fit: () => {
+        this.fit();
+      },
+      zoom: (steps) => {
+        this.zoomBy(kZoomStep ** steps);
+      },
     });
-    const fit = button('Show all', () => {
-      this.fit();
-    });
-    const zoomIn = button('+', () => {
-      this.zoomBy(kZoomStep);
-    });
-    const zoomOut = button('-', () => {
-      this.zoomBy(1 / kZoomStep);
-    });
-    zoomIn.ariaLabel = 'Zoom in';
-    zoomOut.ariaLabel = 'Zoom out';
-    this.tools.append(remove, fit, zoomIn, zoomOut);
-    const keys = element(
-      'details',
-      { class: 'hint' },
-      element('summary', {}, 'Keys of the floor'),
-      kKeys,
-    );
-    this.node.append(this.tools, this.svg, this.notice.node, keys);
+    this.node.append(this.toolbar.node, this.svg, this.notice.node, describeKeys());
     this.choose('goal');
+    this.pointers = this.listenToPointers();
     this.listen();
     const observer = new ResizeObserver(() => {
       this.resize();
@@ -125,7 +121,7 @@ export class FloorEditor {
   // Shows start, goal, obstacles and paths. While the user drags, the floor stays below the pointer.
   fit(): void {
     const { width, height } = this.size();
-    if (this.dragFrom && this.window) {
+    if (this.pointers.active && this.window) {
       this.window = { ...this.window, width, height };
       this.draw();
       return;
@@ -162,8 +158,7 @@ export class FloorEditor {
     this.tool = tool;
     this.drawing.draft = undefined;
     this.cursor = undefined;
-    for (const [name, node] of this.buttons)
-      node.setAttribute('aria-pressed', String(name === tool));
+    this.toolbar.show(tool);
     this.draw();
   }
 
@@ -175,29 +170,6 @@ export class FloorEditor {
 
   private listen(): void {
     const { svg, disposer } = this;
-    // Only the first finger draws.
-    disposer.listen<'pointerdown'>(svg, 'pointerdown', (event) => {
-      const at = this.floorAt(event);
-      if (!event.isPrimary || event.button !== 0 || !at) return;
-      svg.setPointerCapture(event.pointerId);
-      this.dragFrom = at;
-      this.cursor = undefined;
-      this.place(at);
-    });
-    disposer.listen<'pointermove'>(svg, 'pointermove', (event) => {
-      const at = this.floorAt(event);
-      if (event.isPrimary && at && this.dragFrom) this.drag(this.dragFrom, at);
-    });
-    disposer.listen<'pointerup'>(svg, 'pointerup', (event) => {
-      if (!event.isPrimary) return;
-      if (this.dragFrom && this.tool === 'disc') this.finish();
-      this.dragFrom = undefined;
-    });
-    disposer.listen<'pointercancel'>(svg, 'pointercancel', (event) => {
-      if (!event.isPrimary) return;
-      this.dragFrom = undefined;
-      if (this.tool === 'disc') this.drop();
-    });
     disposer.listen<'dblclick'>(svg, 'dblclick', () => {
       if (this.tool === 'polygon') this.finish();
       else if (this.tool === 'disc') this.drawing.joinDoubleClick();
@@ -217,9 +189,53 @@ export class FloorEditor {
     });
   }
 
-  private floorAt(event: MouseEvent): FloorXY | undefined {
-    const box = this.svg.getBoundingClientRect();
-    return this.window && toFloor(this.window, event.clientX - box.left, event.clientY - box.top);
+  private listenToPointers(): FloorPointers {
+    const floorAt = ({ x, y }: PicturePlace) => this.window && toFloor(this.window, x, y);
+    return new FloorPointers(
+      this.svg,
+      {
+        begin: (place) => {
+          const at = floorAt(place);
+          if (!at) return false;
+          this.dragFrom = at;
+          this.cursor = undefined;
+          this.undo = this.undoOf(this.tool);
+          this.place(at);
+          return true;
+        },
+        drag: (place) => {
+          const at = floorAt(place);
+          if (at) this.drag(this.dragFrom, at);
+        },
+        end: () => {
+          if (this.tool === 'disc') this.finish();
+        },
+        interrupt: () => {
+          this.undo();
+          this.draw();
+        },
+        pinch: (move) => {
+          if (this.window) this.window = pinchWindow(this.window, move);
+          this.draw();
+        },
+        cancel: () => {
+          if (this.tool === 'disc') this.drop();
+        },
+      },
+      this.disposer,
+    );
+  }
+
+  // Restores what a tool changes where a finger is put down. A disc follows its finger until it is
+  // lifted, and is dropped then.
+  private undoOf(tool: FloorTool): () => void {
+    const { poses, drawing } = this;
+    const { draft, chosen } = drawing;
+    return () => {
+      if (isPoseTool(tool)) this.changePose(tool, poses[tool]);
+      else if (tool === 'polygon') drawing.draft = draft;
+      else if (tool === 'choose') drawing.chosen = chosen;
+    };
   }
 
   // What a click does.
@@ -281,10 +297,8 @@ export class FloorEditor {
     else this.notice.error(new Error(error));
   }
 
-  private moveFloor({ x, y }: FloorXY): void {
-    if (!this.window) return;
-    const { centre } = this.window;
-    this.window = { ...this.window, centre: { x: centre.x + x, y: centre.y + y } };
+  private moveFloor(by: FloorXY): void {
+    if (this.window) this.window = moveWindow(this.window, by);
   }
 
   private changePose(tool: PoseTool, pose: FloorPosition): void {
@@ -320,7 +334,7 @@ export class FloorEditor {
     } else if (tool === 'move') {
       this.moveFloor(step);
     } else if (this.window) {
-      this.setCursor(moved(this.cursor ?? this.gridCentre(this.window)));
+      this.setCursor(moved(this.cursor ?? gridCentre(this.window)));
     }
     this.draw();
   }
@@ -346,16 +360,11 @@ export class FloorEditor {
     this.edits.announce(placeText(at));
   }
 
-  // The point of the 0.1 m grid at the middle of the window.
-  private gridCentre({ centre }: FloorWindow): FloorXY {
-    return { x: Math.round(10 * centre.x) / 10, y: Math.round(10 * centre.y) / 10 };
-  }
-
   // A key shows the cursor immediately.
   private chooseByKey(tool: FloorTool): void {
     this.choose(tool);
     if (!kCursorTools.includes(tool) || !this.window) return;
-    this.setCursor(this.gridCentre(this.window));
+    this.setCursor(gridCentre(this.window));
     this.draw();
   }
 

@@ -1,5 +1,14 @@
 import { describe, expect, it } from 'vitest';
-import { fitWindow, gridStep, keepInside, toFloor, toPicture, zoomAt } from './floor_window';
+import { Fingers } from '../../dom/fingers';
+import {
+  fitWindow,
+  gridStep,
+  keepInside,
+  pinchWindow,
+  toFloor,
+  toPicture,
+  zoomAt,
+} from './floor_window';
 
 const window = { centre: { x: 1, y: -2 }, scale: 50, width: 600, height: 400 };
 
@@ -37,6 +46,33 @@ describe('zoomAt', () => {
   it('has limits', () => {
     expect(zoomAt(window, 1e9, 0, 0).scale).toBe(4000);
     expect(zoomAt(window, 1e-9, 0, 0).scale).toBe(4);
+  });
+});
+
+describe('pinchWindow', () => {
+  it('keeps the points below two fingers', () => {
+    const fingers = new Fingers();
+    const places = [
+      { x: 100, y: 300 },
+      { x: 200, y: 250 },
+    ];
+    places.forEach((at, i) => {
+      fingers.down(i, at);
+    });
+    const points = places.map(({ x, y }) => toFloor(window, x, y));
+    // Along the line between them: two fingers cannot turn the floor.
+    const first = pinchWindow(window, fingers.move(1, { x: 300, y: 200 })!);
+    const second = pinchWindow(first, fingers.move(0, { x: 0, y: 350 })!);
+    expect(second.scale).toBeCloseTo(3 * window.scale);
+    const moved = [
+      { left: 0, top: 350 },
+      { left: 300, top: 200 },
+    ];
+    points.forEach((point, i) => {
+      const { left, top } = toPicture(second, point);
+      expect(left).toBeCloseTo(moved[i]!.left);
+      expect(top).toBeCloseTo(moved[i]!.top);
+    });
   });
 });
 

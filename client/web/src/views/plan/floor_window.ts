@@ -1,3 +1,4 @@
+import type { FingerMove } from '../../dom/fingers';
 import type { FloorXY } from './floor_geometry';
 
 // The part of the floor that a picture shows. Up in the picture is x (front), left is y.
@@ -40,6 +41,22 @@ export function zoomAt(
     y: window.centre.y + fixed.y - moved.y,
   };
   return { ...window, scale, centre };
+}
+
+// Moves and zooms as fingers do: the points of the floor below them stay there.
+export function pinchWindow(window: FloorWindow, move: FingerMove): FloorWindow {
+  const by = { x: move.y / window.scale, y: move.x / window.scale };
+  return zoomAt(moveWindow(window, by), move.factor, move.middle.x, move.middle.y);
+}
+
+// Moves the picture over the floor, in m.
+export function moveWindow(window: FloorWindow, by: FloorXY): FloorWindow {
+  return { ...window, centre: { x: window.centre.x + by.x, y: window.centre.y + by.y } };
+}
+
+// The point of the 0.1 m grid at the middle of the picture.
+export function gridCentre({ centre }: FloorWindow): FloorXY {
+  return { x: Math.round(10 * centre.x) / 10, y: Math.round(10 * centre.y) / 10 };
 }
 
 // Moves the picture to a point that is outside.

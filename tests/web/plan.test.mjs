@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { checkAccessibility, newPage } from './support/browser.mjs';
 import { setup } from './support/setup.mjs';
+import { fingersOf } from './support/touch.mjs';
 
 test('goal and obstacles are placed on the floor, and the motion is planned', async (t) => {
   const page = await newPage(t);
@@ -83,6 +84,80 @@ test('goal and obstacles are placed on the floor, and the motion is planned', as
   await hint.waitFor();
   assert.equal(await floor.locator('.path').count(), 0);
   assert.ok(await page.getByRole('button', { name: 'Download BVH' }).isDisabled());
+});
+
+test('the start is placed and turned by the pointer', async (t) => {
+  const page = await newPage(t);
+  await page.goto(`${setup.open}/#/plan/demo`);
+  const floor = page.locator('svg.floor');
+  await floor.locator('.goal circle').waitFor();
+  const goal = await page.getByLabel('Goal: ahead, m').inputValue();
+  const startOf = async () => {
+    const [, text] = decodeURIComponent(page.url()).match(/start=([^&]+)/);
+    return text.split(',').map(Number);
+  };
+  await page.getByRole('button', { name: /^Start:/ }).click();
+  const box = await floor.boundingBox();
+  const drag = async (from, to) => {
+    await page.mouse.move(box.x + from[0], box.y + from[1]);
+    await page.mouse.down();
+    await page.mouse.move(box.x + to[0], box.y + to[1], { steps: 4 });
+    await page.mouse.up();
+    const circle = floor.locator('.start circle');
+    for (const [i, name] of ['cx', 'cy'].entries())
+      assert.ok(Math.abs(Number(await circle.getAttribute(name)) - from[i]) < 1, name);
+  };
+  await drag([150, 200], [90, 200]);
+  await page.waitForURL(/start=/);
+  // x is up, y and a positive heading are to the left.
+  const first = await startOf();
+  assert.ok(Math.abs(first[2] - Math.PI / 2) < 0.01, `heading ${first[2]}`);
+  await drag([250, 100], [250, 160]);
+  await page.waitForFunction((text) => !location.href.includes(text), `${first[0]}`);
+  const second = await startOf();
+  assert.ok(Math.abs(Math.abs(second[2]) - Math.PI) < 0.01, `heading ${second[2]}`);
+  const [ahead, left] = [second[0] - first[0], first[1] - second[1]];
+  assert.ok(
+    ahead > 0.1 && Math.abs(ahead - left) < 0.03,
+    `${ahead} m ahead, ${left} m to the right`,
+  );
+  assert.equal(await page.getByLabel('Goal: ahead, m').inputValue(), goal);
+});
+
+test('two fingers zoom and move the floor, one finger places the goal', async (t) => {
+  const page = await newPage(t, { hasTouch: true });
+  await page.goto(`${setup.open}/#/plan/demo`);
+  const floor = page.locator('svg.floor');
+  const [goal, start] = ['.goal circle', '.start circle'].map((css) => floor.locator(css));
+  await goal.waitFor();
+  const touch = await fingersOf(page);
+  await floor.scrollIntoViewIfNeeded();
+  const box = await floor.boundingBox();
+  const placeOf = async (circle) =>
+    Promise.all(['cx', 'cy'].map(async (name) => Number(await circle.getAttribute(name))));
+  const apart = async () => {
+    const [a, b] = [await placeOf(goal), await placeOf(start)];
+    return Math.hypot(a[0] - b[0], a[1] - b[1]);
+  };
+  const values = () =>
+    Promise.all(
+      ['Goal: ahead, m', 'heading, degrees'].map((label) => page.getByLabel(label).inputValue()),
+    );
+  const [before, chosen, [x, y]] = [await apart(), await values(), await placeOf(start)];
+  // What is between the fingers stays there: the start.
+  const pair = (half, right = 0) =>
+    [-half, half].map((each) => [box.x + x + each + right, box.y + y]);
+  await touch([pair(40), pair(60), pair(80)]);
+  assert.ok(Math.abs((await apart()) / before - 2) < 0.05, `${await apart()} px, ${before} px`);
+  const near = await placeOf(start);
+  assert.ok(Math.hypot(near[0] - x, near[1] - y) < 3, `start at ${near}, not ${[x, y]}`);
+  await touch([pair(50), pair(50, 20), pair(50, 40)]);
+  const moved = await placeOf(start);
+  assert.ok(Math.abs(moved[0] - near[0] - 40) < 4, `start at ${moved}, was at ${near}`);
+  assert.deepEqual(await values(), chosen);
+  await touch([[[box.x + 60, box.y + 80]], [[box.x + 60, box.y + 40]]]);
+  const placed = await placeOf(goal);
+  assert.ok(Math.hypot(placed[0] - 60, placed[1] - 80) < 1, `goal at ${placed}`);
 });
 
 test('pointers draw one obstacle at a time', async (t) => {

@@ -1,9 +1,6 @@
 // The HTTP server over real sockets: proper clients, and slow or hostile ones.
 #include "server/observability/http_server.h"
 
-#include <spdlog/sinks/ringbuffer_sink.h>
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -16,6 +13,7 @@
 #include <vector>
 
 #include "tests/server/observability/http_client.h"
+#include "tests/support/awaited_log.h"
 
 namespace motiondb::tests::http_server_test {
 namespace {
@@ -40,31 +38,6 @@ std::unique_ptr<HttpServer> StartServer(HttpLimits limits = {}, server::HttpPage
   REQUIRE(server.ok());
   return *std::move(server);
 }
-
-// The log of the server. Must outlive it.
-class ServerLog {
- public:
-  ServerLog() { spdlog::set_default_logger(std::make_shared<spdlog::logger>("http", lines_)); }
-  ~ServerLog() { spdlog::set_default_logger(former_); }
-
-  // Waits for a line with `text`; false after a minute.
-  bool Await(const std::string& text) const {
-    const auto latest = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-    while (std::chrono::steady_clock::now() < latest) {
-      const auto has_text = [&](const std::string& line) {
-        return line.find(text) != std::string::npos;
-      };
-      if (std::ranges::any_of(lines_->last_formatted(), has_text)) return true;
-      std::this_thread::sleep_for(milliseconds(5));
-    }
-    return false;
-  }
-
- private:
-  const std::shared_ptr<spdlog::logger> former_ = spdlog::default_logger();
-  const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> lines_ =
-      std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(100);
-};
 
 TEST_CASE("HttpServer: pages, with their status", "[server][http]") {
   const auto server = StartServer();
@@ -163,7 +136,7 @@ TEST_CASE("HttpServer: a client that sends slowly is disconnected", "[server][ht
 }
 
 TEST_CASE("HttpServer: a client that reads slowly is disconnected", "[server][http]") {
-  const ServerLog log;
+  const AwaitedLog log;
   const auto large = [] { return HttpAnswer{.body = std::string(std::size_t{64} << 20, 'x')}; };
   const auto server =
       StartServer({.answer_time = milliseconds(200)}, {{"/large", {.make = large}}});

@@ -1,6 +1,5 @@
 // A server with TLS in this process: accepted clients, and changes of the files.
 #include <grpcpp/create_channel.h>
-#include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -19,6 +18,7 @@
 #include "server/security/key_pair.h"
 #include "server/server.h"
 #include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/support/awaited_log.h"
 #include "tests/support/certificates.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_directory.h"
@@ -105,37 +105,9 @@ TEST_CASE("TLS: the client must trust the server's authority", "[security]") {
   CHECK(!plain->WaitForConnected(std::chrono::system_clock::now() + milliseconds(500)));
 }
 
-// Counts the reloads that the log reports as refused, once for each new error. Must outlive the
-// server.
-class RefusedReloads {
- public:
-  RefusedReloads() {
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("reloads", lines_));
-  }
-  ~RefusedReloads() { spdlog::set_default_logger(former_); }
-
-  // Waits for so many; false after 30 s.
-  bool Await(int count) const {
-    const auto end = std::chrono::steady_clock::now() + seconds(30);
-    while (std::chrono::steady_clock::now() < end) {
-      const auto lines = lines_->last_formatted();
-      const auto is_refused = [](const std::string& line) {
-        return line.find("cannot reload") != std::string::npos;
-      };
-      if (std::ranges::count_if(lines, is_refused) >= count) return true;
-      std::this_thread::sleep_for(milliseconds(20));
-    }
-    return false;
-  }
-
- private:
-  const std::shared_ptr<spdlog::logger> former_ = spdlog::default_logger();
-  const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> lines_ =
-      std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(100);
-};
-
 TEST_CASE("TLS: a running server loads new certificates, but not invalid ones", "[security]") {
-  const RefusedReloads refused;
+  const AwaitedLog log;
+  const std::string refused = "cannot reload";  // once for each new error
   TlsServer server(false);
   spdlog::set_level(spdlog::level::warn);
   const Authority next(server.directory / "", "next");
@@ -146,10 +118,10 @@ TEST_CASE("TLS: a running server loads new certificates, but not invalid ones", 
   const KeyPairFiles other = next.Issue("other", "localhost");
   std::filesystem::copy_file(other.key, server.pair.key,
                              std::filesystem::copy_options::overwrite_existing);
-  CHECK(refused.Await(1));
+  CHECK(log.Await(refused));
   CHECK(server.Connects(server.servers));
   std::ofstream(server.pair.key) << "no key at all";
-  CHECK(refused.Await(2));
+  CHECK(log.Await(refused, 2));
   CHECK(server.Connects(server.servers));
 
   next.Issue("server", "localhost");

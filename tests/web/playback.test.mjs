@@ -2,7 +2,7 @@
 // shorter than the frames of the motion.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { newPage, shown } from './support/browser.mjs';
+import { newPage, shown, until } from './support/browser.mjs';
 import { recordDrawing, whenDrawn } from './support/drawing.mjs';
 import { storeKnown } from './support/known.mjs';
 import { setup } from './support/setup.mjs';
@@ -198,5 +198,5 @@ test('contacts are those of the server, on the floor and in the timeline', async
         return (isDrawn(0.2) ? 1 : 0) + (isDrawn(0.7) ? 2 : 0);
       });
     }, contacts.length);
-  assert.deepEqual(await stripes(), contacts);
+  await until(async () => assert.deepEqual(await stripes(), contacts), 60);
 });

@@ -11,6 +11,9 @@ export async function fingersOf(page) {
   return async ([first, ...others]) => {
     await touch('touchStart', first);
     for (const places of others) await touch('touchMove', places);
+    // Fingers rest before they leave. Otherwise the browser goes on with their movement, and the next
+    // tap only stops it.
+    await new Promise((resolve) => setTimeout(resolve, 100));
     await touch('touchEnd', []);
   };
 }

@@ -2,7 +2,10 @@
 #include "server/engine/query/model_query.h"
 
 #include <catch2/catch.hpp>
+#include <cstdint>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "core/model/model.h"
 #include "core/motion/error.h"
@@ -14,6 +17,7 @@ namespace {
 
 using server::FindLayer;
 using server::LayerRequest;
+using server::StateMap;
 using server::WorkOptions;
 
 void Build(TestEngine& engine, const std::string& clip, double phase) {
@@ -76,13 +80,32 @@ TEST_CASE("Model query: checks the layer, the clip, the nodes and the points", "
   CHECK(FieldOf(ReadNodePoses(*engine, {"db", 0, 1}, nodes, terms).status()) == "node_ids");
   CHECK(FieldOf(ReadNodePoses(*engine, {"db", 0, 1}, {}, terms).status()) == "node_ids");
 
-  CHECK(FieldOf(server::StateMap::Open(*engine, {"db"}, -1, terms).status()) == "max_points");
-  const auto map = server::StateMap::Open(*engine, {"db"}, 5, terms);
+  CHECK(FieldOf(StateMap::Open(*engine, {"db"}, -1, terms).status()) == "max_points");
+  const auto map = StateMap::Open(*engine, {"db"}, 5, terms);
   REQUIRE(map.ok());
   CHECK((*map)->point_count() == 5);
   CHECK((*map)->TakePoints(3).size() == 3);
   CHECK((*map)->TakePoints(3).size() == 2);
   CHECK((*map)->TakePoints(3).empty());
+}
+
+TEST_CASE("State map: the memory of a call does not grow with the database", "[server][query]") {
+  TestEngine engine;
+  engine.Create("db");
+  std::vector<std::int64_t> reserved;
+  WorkOptions terms;
+  terms.reserve = [&](std::int64_t bytes) {
+    reserved.push_back(bytes);
+    return reserved.size() == 1 ? absl::ResourceExhaustedError("full") : absl::OkStatus();
+  };
+  Build(engine, "a", 0);
+  CHECK(absl::IsResourceExhausted(StateMap::Open(*engine, {"db"}, 10, terms).status()));
+  REQUIRE(StateMap::Open(*engine, {"db"}, 10, terms).ok());
+  Build(engine, "b", 1);
+  REQUIRE(StateMap::Open(*engine, {"db"}, 10, terms).ok());
+  REQUIRE(StateMap::Open(*engine, {"db"}, 10, terms).ok());  // knows the axes
+  REQUIRE(reserved.size() == 3);
+  CHECK(std::set(reserved.begin(), reserved.end()).size() == 1);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ export class OrbitCamera {
     this.press(event);
   };
   private readonly moved: () => void;
+  private held = false;
 
   constructor(
     private readonly camera: PerspectiveCamera,
@@ -29,8 +30,19 @@ export class OrbitCamera {
       changed();
     };
     this.controls.addEventListener('change', this.moved);
+    this.controls.addEventListener('start', () => {
+      this.held = true;
+    });
+    this.controls.addEventListener('end', () => {
+      this.held = false;
+    });
     canvas.addEventListener('keydown', this.onKey);
     this.place([3.2, -3.2, 1.8], [0, 0, 0.9]);
+  }
+
+  // True while a button or a finger holds the camera.
+  get isHeld(): boolean {
+    return this.held;
   }
 
   get target(): Vector3 {

@@ -151,12 +151,21 @@ export class MapObject implements MapPicture {
     return createEdges(map.nodes.means, edges, appearance.edgeColor, 0.6);
   }
 
-  // While the camera moves, a large map has less detail. When it rests, other nodes are the nearest.
+  // While the camera moves or is held, a large map has less detail: a picture with all of it can take
+  // longer than the wait for the next move. When the camera rests, other nodes are the nearest.
   private watchCamera(): void {
     if (this.matrix().equals(this.drawnMatrix)) return;
     this.showDetail((this.map?.nodes.ids.length ?? 0) <= kMovingDots);
+    this.settle();
+  }
+
+  private settle(): void {
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
+      if (this.scene.orbit.isHeld) {
+        this.settle();
+        return;
+      }
       this.showDetail(true);
       this.updateEllipsoids();
     }, kSettle);

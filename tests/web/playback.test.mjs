@@ -191,7 +191,10 @@ test('contacts are those of the server, on the floor and in the timeline', async
   const stripes = () =>
     page.locator('.contacts canvas').evaluate((canvas, count) => {
       const { width, height } = canvas;
-      const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+      // A copy: the browser warns if a canvas is read several times.
+      const copy = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+      copy.drawImage(canvas, 0, 0);
+      const { data } = copy.getImageData(0, 0, width, height);
       return Array.from({ length: count }, (_, frame) => {
         const x = Math.floor(((frame + 0.5) * width) / count);
         const isDrawn = (part) => data[4 * (Math.floor(part * height) * width + x) + 3] > 0;

@@ -192,7 +192,9 @@ test('contacts are those of the server, on the floor and in the timeline', async
     page.locator('.contacts canvas').evaluate((canvas, count) => {
       const { width, height } = canvas;
       // A copy: the browser warns if a canvas is read several times.
-      const copy = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+      const copy = new OffscreenCanvas(width, height).getContext('2d', {
+        willReadFrequently: true,
+      });
       copy.drawImage(canvas, 0, 0);
       const { data } = copy.getImageData(0, 0, width, height);
       return Array.from({ length: count }, (_, frame) => {

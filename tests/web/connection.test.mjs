@@ -1,21 +1,16 @@
 // A server that stops and starts again while a view is open.
 import assert from 'node:assert/strict';
-import { execFile } from 'node:child_process';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { promisify } from 'node:util';
 import { drop, newPage, until } from './support/browser.mjs';
 import { OwnServer } from './support/own_server.mjs';
 import { setup } from './support/setup.mjs';
 
-const run = promisify(execFile);
 const server = new OwnServer(join(setup.folder, 'own.db'));
 
 before(async () => {
   await server.start();
-  const motiondb = (...command) => run(setup.motiondb, ['--server', server.address, ...command]);
-  await motiondb('create', 'own');
-  await motiondb('ingest', 'own', join(setup.models, '01_01.bvh'), '--label', 'jump');
+  await server.fill();
 });
 after(() => server.stop());
 

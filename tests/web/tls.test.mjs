@@ -13,9 +13,7 @@ const server = new OwnServer(join(setup.folder, 'tls.db'));
 
 before(async () => {
   await server.start();
-  const motiondb = (...command) => run(setup.motiondb, ['--server', server.address, ...command]);
-  await motiondb('create', 'own');
-  await motiondb('ingest', 'own', join(setup.models, '01_01.bvh'), '--label', 'jump');
+  await server.fill();
   await server.stop();
   const [certificate, key] = ['tls.crt', 'tls.key'].map((name) => join(setup.folder, name));
   await run('openssl', [

@@ -24,8 +24,8 @@ TEST_CASE("Keepalive: a client that pings often stays connected, with and withou
   const auto stub = v1::DatabaseService::NewStub(channel);
   const v1::ListDatabasesRequest request;
   REQUIRE(Ask(*stub, &v1::DatabaseService::Stub::ListDatabases, request).status.ok());
-  // gRPC's own limits would end the connection at the third ping. A channel that nobody waits for
-  // reads the reply to a ping, and pings again, only after 5 s.
+  // The default limits of gRPC would end the connection at the third ping. An idle channel reads
+  // the reply to a ping, and pings again, only every 5 s; this wait makes it read at once.
   REQUIRE(channel->GetState(false) == GRPC_CHANNEL_READY);
   CHECK_FALSE(channel->WaitForStateChange(
       GRPC_CHANNEL_READY, std::chrono::system_clock::now() + std::chrono::seconds(5)));

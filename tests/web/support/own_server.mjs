@@ -1,8 +1,12 @@
 // A server of one test, which the test can stop and start again.
-import { spawn } from 'node:child_process';
+import { execFile, spawn } from 'node:child_process';
 import { once } from 'node:events';
+import { join } from 'node:path';
 import { createInterface } from 'node:readline';
+import { promisify } from 'node:util';
 import { setup } from './setup.mjs';
+
+const run = promisify(execFile);
 
 export class OwnServer {
   // `store`: path of its file.
@@ -34,6 +38,13 @@ export class OwnServer {
       return;
     }
     throw new Error('expected a server that listens, got one that ended');
+  }
+
+  // Stores the database `own` with the clip 01_01.
+  async fill() {
+    const motiondb = (...command) => run(setup.motiondb, ['--server', this.address, ...command]);
+    await motiondb('create', 'own');
+    await motiondb('ingest', 'own', join(setup.models, '01_01.bvh'), '--label', 'jump');
   }
 
   async stop(signal = 'SIGTERM') {

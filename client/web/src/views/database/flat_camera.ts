@@ -1,7 +1,5 @@
 import { Fingers, type PicturePlace } from '../../dom/fingers';
 
-export type { PicturePlace };
-
 // Zoom and movement of a flat picture, changed by fingers, mouse and keys.
 export class FlatCamera {
   zoom = 1;

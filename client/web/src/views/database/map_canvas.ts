@@ -1,8 +1,8 @@
 import { arrowOf } from '../../dom/arrow_keys';
 import { element } from '../../dom/element';
-import { FlatCamera, type PicturePlace } from './flat_camera';
+import type { PicturePlace } from '../../dom/fingers';
+import { FlatCamera } from './flat_camera';
 import { strongestTransitions } from './level_of_detail';
-import type { MapPlace } from './map_emphasis';
 import type { MapAppearance, MapPicture } from './map_picture';
 import { parallelMatrix, pick, projectPoints } from './projection';
 import { extentOf, type StateMap } from './state_map';
@@ -52,7 +52,7 @@ export class MapCanvas implements MapPicture {
     return this.appearance ? pick(this.projected, this.appearance.nodesShown, x, y, kReach) : -1;
   }
 
-  placeOf(node: number): MapPlace | undefined {
+  placeOf(node: number): PicturePlace | undefined {
     const x = this.projected[3 * node];
     const y = this.projected[3 * node + 1];
     return x === undefined || y === undefined || Number.isNaN(x) ? undefined : { x, y };

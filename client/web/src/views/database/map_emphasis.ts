@@ -1,4 +1,5 @@
 import { svgElement } from '../../dom/element';
+import type { PicturePlace } from '../../dom/fingers';
 
 // What is drawn above a map.
 export interface MapEmphasis {
@@ -8,12 +9,6 @@ export interface MapEmphasis {
   path: readonly number[];
 }
 
-export interface MapPlace {
-  // Px from the top left of the map.
-  x: number;
-  y: number;
-}
-
 const kRadius = 7; // px
 
 // Emphasized nodes and their path above a map, so that another choice does not draw the map again.
@@ -21,7 +16,7 @@ export class EmphasisLayer {
   readonly node = svgElement('svg', { class: 'map-emphasis', 'aria-hidden': 'true' });
 
   // `placeOf`: where the map shows a node; undefined outside the view.
-  draw({ nodes, path }: MapEmphasis, placeOf: (node: number) => MapPlace | undefined): void {
+  draw({ nodes, path }: MapEmphasis, placeOf: (node: number) => PicturePlace | undefined): void {
     const places = path.map(placeOf);
     const steps = places.slice(1).flatMap((to, i) => {
       const from = places[i];

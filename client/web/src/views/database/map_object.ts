@@ -8,6 +8,7 @@ import {
   type Object3D,
   type Points,
 } from 'three';
+import type { PicturePlace } from '../../dom/fingers';
 import type { Scene } from '../../scene/scene';
 import { kEllipsoidBudget, largestNodes, strongestTransitions } from './level_of_detail';
 import {
@@ -18,7 +19,6 @@ import {
   type Edges,
   type Ellipsoids,
 } from './map_meshes';
-import type { MapPlace } from './map_emphasis';
 import type { MapAppearance, MapPicture } from './map_picture';
 import { pick, projectPoints, viewOf, type Axes } from './projection';
 import { extentOf, type StateMap } from './state_map';
@@ -115,7 +115,7 @@ export class MapObject implements MapPicture {
     return point >= 0 ? map.points.nodes[point]! : -1;
   }
 
-  placeOf(node: number): MapPlace | undefined {
+  placeOf(node: number): PicturePlace | undefined {
     if (!this.map) return undefined;
     const [x, y] = this.project(this.map.nodes.means.subarray(3 * node, 3 * node + 3));
     return x === undefined || y === undefined || Number.isNaN(x) ? undefined : { x, y };

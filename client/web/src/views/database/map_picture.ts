@@ -1,4 +1,4 @@
-import type { MapPlace } from './map_emphasis';
+import type { PicturePlace } from '../../dom/fingers';
 import type { Axes } from './projection';
 import type { StateMap } from './state_map';
 
@@ -24,6 +24,6 @@ export interface MapPicture {
   // Index of the node at a position; -1: none.
   nodeAt(x: number, y: number): number;
   // Position of a node; undefined outside the view.
-  placeOf(node: number): MapPlace | undefined;
+  placeOf(node: number): PicturePlace | undefined;
   dispose(): void;
 }

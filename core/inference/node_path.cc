@@ -99,13 +99,19 @@ void Prune(const Lattice& lattice, const TransitionGraph& graph, const NodePathO
 
 }  // namespace
 
+absl::Status CheckPathCount(int path_count) {
+  if (path_count >= 1 && path_count <= 100) return absl::OkStatus();
+  return FieldViolation("path_count", "expected 1 to 100, got {}", path_count);
+}
+
+absl::Status CheckTransitionFloor(double transition_floor) {
+  if (transition_floor >= 0 && transition_floor <= 1) return absl::OkStatus();
+  return FieldViolation("transition_floor", "expected 0 to 1, got {}", transition_floor);
+}
+
 absl::Status CheckOptions(const NodePathOptions& options) {
-  if (options.path_count < 1 || options.path_count > 100) {
-    return FieldViolation("path_count", "expected 1 to 100, got {}", options.path_count);
-  }
-  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return FieldViolation("transition_floor", "expected 0 to 1, got {}", options.transition_floor);
-  }
+  MOTIONDB_RETURN_IF_ERROR(CheckPathCount(options.path_count));
+  MOTIONDB_RETURN_IF_ERROR(CheckTransitionFloor(options.transition_floor));
   if (options.max_candidates < 0) {
     return FieldViolation("max_candidates", "expected 0 or more, got {}", options.max_candidates);
   }

@@ -24,6 +24,8 @@ struct NodePathOptions {
 };
 
 // INVALID_ARGUMENT, naming the field, if an option is out of range.
+absl::Status CheckPathCount(int path_count);
+absl::Status CheckTransitionFloor(double transition_floor);
 absl::Status CheckOptions(const NodePathOptions& options);
 
 // Descends the tree from the root. The candidates of a frame are the children of those kept in the

@@ -206,9 +206,7 @@ absl::Status CheckOptions(const PredictOptions& options) {
     return FieldViolation("history_seconds", "expected more than 0, got {}",
                           options.history_seconds);
   }
-  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return FieldViolation("transition_floor", "expected 0 to 1, got {}", options.transition_floor);
-  }
+  MOTIONDB_RETURN_IF_ERROR(CheckTransitionFloor(options.transition_floor));
   constexpr std::size_t kMaxHorizons = 1000;
   if (options.horizon_seconds.size() > kMaxHorizons) {
     return FieldViolation("horizon_seconds", "expected at most {}, got {}", kMaxHorizons,

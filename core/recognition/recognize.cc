@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/inference/node_path.h"
 #include "core/inference/observation.h"
 #include "core/model/clip_mask.h"
 #include "core/model/label_units.h"
@@ -81,13 +82,8 @@ absl::Status CheckOptions(const RecognizeOptions& options) {
   if (!(options.hop_seconds > 0 && std::isfinite(options.hop_seconds))) {
     return FieldViolation("hop_seconds", "expected more than 0, got {}", options.hop_seconds);
   }
-  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return FieldViolation("transition_floor", "expected 0 to 1, got {}", options.transition_floor);
-  }
-  if (options.path_count < 1 || options.path_count > 100) {
-    return FieldViolation("path_count", "expected 1 to 100, got {}", options.path_count);
-  }
-  return absl::OkStatus();
+  MOTIONDB_RETURN_IF_ERROR(CheckTransitionFloor(options.transition_floor));
+  return CheckPathCount(options.path_count);
 }
 
 absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,

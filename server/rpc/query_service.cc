@@ -101,9 +101,10 @@ absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResp
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request));
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const PlanRequest plan, ParsePlanRequest(request, database));
-  MOTIONDB_ASSIGN_OR_RETURN(const PlanResult result, FindPlan(query, plan));
+  MOTIONDB_ASSIGN_OR_RETURN(PlanResult result, FindPlan(query, plan));
+  SetPlan(std::move(result), database, query.model(), response);
   SetModelOf(query, response);
-  return SetPlan(result, database, query.model(), call.cancelled, response);
+  return absl::OkStatus();
 }
 
 class QueryServiceImpl final : public v1::QueryService::CallbackService {

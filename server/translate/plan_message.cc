@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 #include <span>
+#include <utility>
 
-#include "core/export/motion_writer.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/view/bones.h"
@@ -140,29 +140,16 @@ void SetFrames(const core::PlannedMotion& motion, std::span<const core::LinkVisu
                *message.mutable_joint_rotations());
 }
 
-// `number` is the number of the motion in the response, from 1.
-absl::Status SetFile(const core::PlannedMotion& motion, const PlanResult& plan, int number,
-                     v1::MotionFile& message) {
-  const core::FileFormat format = plan.file_format.value_or(
-      plan.body.is_robot ? core::FileFormat::kCsv : core::FileFormat::kBvh);
-  const bool has_table = format == core::FileFormat::kCsv && plan.body.is_robot;
-  const core::Motion written = motion.joints && (has_table || core::HasJoints(format))
-                                   ? core::Motion(*motion.joints)
-                                   : core::Motion(motion.markers);
-  core::Mimics mimics;
-  if (has_table) mimics = plan.body.mimics;
-  MOTIONDB_ASSIGN_OR_RETURN(core::WrittenMotion file, core::WriteMotion(format, written, mimics));
+void SetFile(ExportedMotion file, v1::MotionFile& message) {
   *message.mutable_data() = std::move(file.bytes);
-  for (const std::string& loss : file.losses) message.add_notes(text::ValidUtf8(loss));
-  const std::string stem = number == 1 ? "plan" : fmt::format("plan-{}", number);
-  message.set_file_name(stem + std::string(core::WrittenExtension(format)));
-  return absl::OkStatus();
+  for (const std::string& note : file.notes) message.add_notes(text::ValidUtf8(note));
+  message.set_file_name(std::move(file.file_name));
 }
 
 }  // namespace
 
-absl::Status SetPlan(const PlanResult& plan, const std::string& database, const core::Model& model,
-                     const core::Cancelled& cancelled, v1::PlanResponse& message) {
+void SetPlan(PlanResult plan, const std::string& database, const core::Model& model,
+             v1::PlanResponse& message) {
   const core::PlanAnswer& answer = plan.answer;
   message.set_outcome(ToProto(answer.outcome));
   message.set_missing(text::ValidUtf8(answer.missing));
@@ -176,10 +163,9 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
   effort.set_complete(answer.effort.complete);
   effort.set_search_seconds(plan.search_seconds);
   effort.set_total_seconds(plan.total_seconds);
-  int number = 0;
-  for (const core::PlannedMotion& motion : answer.motions) {
-    if (cancelled()) return absl::CancelledError("the call was cancelled");
-    v1::PlannedMotion& to = ++number == 1 ? *message.mutable_motion() : *message.add_alternatives();
+  for (std::size_t i = 0; i < answer.motions.size(); ++i) {
+    const core::PlannedMotion& motion = answer.motions[i];
+    v1::PlannedMotion& to = i == 0 ? *message.mutable_motion() : *message.add_alternatives();
     to.set_outcome(ToProto(motion.outcome));
     to.set_missing(text::ValidUtf8(motion.missing));
     SetSegments(motion, database, model, to);
@@ -189,10 +175,8 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
     SetFrames(motion, plan.body.visuals, to);
     SetQuality(motion.quality, *to.mutable_quality());
     SetLimits(motion, plan.body.dynamics.get(), to);
-    if (!plan.with_files) continue;
-    MOTIONDB_RETURN_IF_ERROR(SetFile(motion, plan, number, *to.mutable_file()));
+    if (i < plan.files.size()) SetFile(std::move(plan.files[i]), *to.mutable_file());
   }
-  return absl::OkStatus();
 }
 
 namespace {

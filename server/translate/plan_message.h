@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/motion/skeleton.h"
 #include "server/engine/query/plan_query.h"
@@ -25,9 +24,9 @@ namespace motiondb::server {
 absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
                                              const std::string& database);
 
-// Sets a plan, with files if requested. Returns CANCELLED if cancelled.
-absl::Status SetPlan(const PlanResult& plan, const std::string& database, const core::Model& model,
-                     const core::Cancelled& cancelled, v1::PlanResponse& message);
+// Sets a plan with its files.
+void SetPlan(PlanResult plan, const std::string& database, const core::Model& model,
+             v1::PlanResponse& message);
 
 // Returns the names of the columns of joint angles: the name of the joint if it has one degree of
 // freedom; otherwise "joint.tx", "joint.rx" and so on, by the nearest axis, with a number for a

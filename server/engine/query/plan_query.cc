@@ -6,7 +6,6 @@
 
 #include "core/motion/error.h"
 #include "core/planning/synthesis.h"
-#include "server/engine/query/export_clip.h"
 #include "server/engine/query/query_memory.h"
 #include "server/engine/query/search_clock.h"
 
@@ -72,6 +71,31 @@ absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& 
   return plan;
 }
 
+absl::StatusOr<std::vector<ExportedMotion>> WriteMotions(const core::PlanAnswer& answer,
+                                                         const PlanBody& body,
+                                                         std::optional<core::FileFormat> format,
+                                                         const core::Cancelled& cancelled) {
+  const core::FileFormat written =
+      format.value_or(body.is_robot ? core::FileFormat::kCsv : core::FileFormat::kBvh);
+  const bool has_table = written == core::FileFormat::kCsv && body.is_robot;
+  core::Mimics mimics;
+  if (has_table) mimics = body.mimics;
+  std::vector<ExportedMotion> files;
+  for (const core::PlannedMotion& motion : answer.motions) {
+    if (cancelled && cancelled()) return absl::CancelledError("the call was cancelled");
+    const bool with_joints = motion.joints && (has_table || core::HasJoints(written));
+    MOTIONDB_ASSIGN_OR_RETURN(
+        core::WrittenMotion file,
+        core::WriteMotion(written,
+                          with_joints ? core::Motion(*motion.joints) : core::Motion(motion.markers),
+                          mimics));
+    const std::string stem = files.empty() ? "plan" : fmt::format("plan-{}", files.size() + 1);
+    files.push_back({stem + std::string(core::WrittenExtension(written)), std::move(file.bytes),
+                     std::move(file.losses)});
+  }
+  return files;
+}
+
 absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(PreparedPlan plan, PreparePlan(query, request));
   const WorkOptions& terms = query.terms();
@@ -85,9 +109,11 @@ absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& reque
       result.answer, core::PlanMotion(query.model(), plan.body.scheme, plan.problem, control));
   MOTIONDB_RETURN_IF_ERROR(
       WithLimits(terms.Reserve(BytesOfPlan(result.answer, request.with_files))));
+  if (request.with_files) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        result.files, WriteMotions(result.answer, plan.body, request.file_format, terms.cancelled));
+  }
   result.body = std::move(plan.body);
-  result.with_files = request.with_files;
-  result.file_format = request.file_format;
   result.search_seconds = clock.search_seconds();
   result.total_seconds = clock.total_seconds();
   return result;

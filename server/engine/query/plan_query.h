@@ -12,6 +12,7 @@
 #include "core/format/motion_file.h"
 #include "core/format/urdf_reader.h"
 #include "core/planning/plan.h"
+#include "server/engine/query/export_clip.h"
 #include "server/engine/query/query.h"
 
 namespace motiondb::server {
@@ -59,8 +60,7 @@ struct PlanResult {
   PlanBody body;
   double search_seconds = 0;
   double total_seconds = 0;
-  bool with_files = false;  // as in the request
-  std::optional<core::FileFormat> file_format;
+  std::vector<ExportedMotion> files;  // of each motion, in order; empty if not requested
 };
 
 // Finds the start and the body. INVALID_ARGUMENT naming the field that is out of range, unknown or
@@ -68,7 +68,15 @@ struct PlanResult {
 // requested without a body; CANCELLED.
 absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& request);
 
-// Prepares a plan and searches for it. Codes as PreparePlan; also RESOURCE_EXHAUSTED.
+// Writes the motions of a plan: joint angles in a format with joints, otherwise markers. `format`:
+// as PlanRequest::file_format. INVALID_ARGUMENT if it cannot express a motion; CANCELLED.
+absl::StatusOr<std::vector<ExportedMotion>> WriteMotions(const core::PlanAnswer& answer,
+                                                         const PlanBody& body,
+                                                         std::optional<core::FileFormat> format,
+                                                         const core::Cancelled& cancelled);
+
+// Prepares a plan, searches for it, and writes the requested files. Codes as PreparePlan and
+// WriteMotions; also RESOURCE_EXHAUSTED.
 absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& request);
 
 // Returns the body that `request` names, otherwise that of `start_clip`; bare markers if that clip

@@ -31,7 +31,12 @@ absl::Status Plan(const v1::PlanRequest& request, v1::PlanResponse& response) {
   server::PlanResult result{.body = prepared.body};
   MOTIONDB_ASSIGN_OR_RETURN(result.answer, core::PlanMotion(query.model(), prepared.body.scheme,
                                                             prepared.problem, control));
-  return server::SetPlan(result, "db", query.model(), cancelled, response);
+  if (plan.with_files) {
+    MOTIONDB_ASSIGN_OR_RETURN(result.files, server::WriteMotions(result.answer, result.body,
+                                                                 plan.file_format, cancelled));
+  }
+  server::SetPlan(std::move(result), "db", query.model(), response);
+  return absl::OkStatus();
 }
 
 }  // namespace

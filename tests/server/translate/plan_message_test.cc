@@ -51,12 +51,17 @@ core::PlannedMotion Motion() {
   return motion;
 }
 
-absl::Status Set(const core::PlanAnswer& answer, bool files, v1::PlanResponse& message,
-                 const PlanBody& body = {}, std::optional<core::FileFormat> format = std::nullopt) {
+void Set(const core::PlanAnswer& answer, v1::PlanResponse& message, const PlanBody& body = {},
+         std::vector<ExportedMotion> files = {}) {
   const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
-  return SetPlan(
-      {.answer = answer, .body = body, .with_files = files, .file_format = format}, "db", model,
-      [] { return false; }, message);
+  SetPlan({.answer = answer, .body = body, .files = std::move(files)}, "db", model, message);
+}
+
+std::vector<ExportedMotion> Write(const core::PlanAnswer& answer, const PlanBody& body,
+                                  std::optional<core::FileFormat> format = std::nullopt) {
+  auto files = WriteMotions(answer, body, format, {});
+  REQUIRE(files.ok());
+  return *std::move(files);
 }
 
 TEST_CASE("DofNames: the name of the joint, with the axis if it has several",
@@ -74,7 +79,7 @@ TEST_CASE("PlanMessage: the best plan, alternatives and the search", "[server][t
   answer.motions = {Motion(), Motion()};
   answer.motions[1].quality.smallest_clearance_m = -0.5;
   v1::PlanResponse message;
-  REQUIRE(Set(answer, true, message, {}, core::FileFormat::kTrc).ok());
+  Set(answer, message, {}, Write(answer, {}, core::FileFormat::kTrc));
   CHECK(message.outcome() == v1::PLAN_OUTCOME_DEADLINE);
   CHECK(message.missing() == "time");
   CHECK(message.leg_length_m() == 0.9);
@@ -113,7 +118,7 @@ TEST_CASE("PlanMessage: files have the names of their formats", "[server][transl
     motion.joints = core::JointMotion{body.skeleton, 30, core::JointMatrix::Constant(2, 6, 0.25)};
   }
   v1::PlanResponse bvh;
-  REQUIRE(Set(answer, true, bvh, body).ok());
+  Set(answer, bvh, body, Write(answer, body));
   CHECK(bvh.motion().dof_names_size() == 6);
   CHECK(bvh.motion().joint_angles().size() == 2 * 6 * 4);
   CHECK(Names(bvh.motion().joint_names().begin(), bvh.motion().joint_names().end()) ==
@@ -127,11 +132,11 @@ TEST_CASE("PlanMessage: files have the names of their formats", "[server][transl
   CHECK(bvh.alternatives(0).file().file_name() == "plan-2.bvh");
   body.is_robot = true;
   v1::PlanResponse csv;
-  REQUIRE(Set(answer, true, csv, body).ok());
+  Set(answer, csv, body, Write(answer, body));
   CHECK(csv.alternatives(0).file().file_name() == "plan-2.csv");
   CHECK(csv.motion().file().data().starts_with("time_s,"));
   v1::PlanResponse bare;
-  REQUIRE(Set(answer, false, bare, body).ok());
+  Set(answer, bare, body);
   CHECK(!bare.motion().has_file());
 }
 
@@ -145,7 +150,7 @@ TEST_CASE("PlanMessage: visual shapes of a robot, with the rotations of its join
   angles.col(2).setConstant(0.5);
   answer.motions[0].joints = core::JointMotion{body.skeleton, 30, angles};
   v1::PlanResponse plain;
-  REQUIRE(Set(answer, false, plain, body).ok());
+  Set(answer, plain, body);
   CHECK(plain.motion().joint_visuals().empty());
   CHECK(plain.motion().joint_rotations().empty());
   core::LinkVisual cylinder{
@@ -155,7 +160,7 @@ TEST_CASE("PlanMessage: visual shapes of a robot, with the rotations of its join
   red.color = Eigen::Vector4d(1, 0.25, 0, 0.5);
   body.visuals = {cylinder, red};
   v1::PlanResponse drawn;
-  REQUIRE(Set(answer, false, drawn, body).ok());
+  Set(answer, drawn, body);
   REQUIRE(drawn.motion().joint_visuals_size() == 2);
   const v1::LinkVisual& visual = drawn.motion().joint_visuals(0);
   const auto floats = [](const auto& values) {
@@ -193,7 +198,7 @@ TEST_CASE("PlanMessage: joint limits, efforts and balance", "[server][translate]
   motion.quality.recorded_seconds = 6;
   motion.quality.unknown = core::UnlikeStored{0.25, 1.5};
   v1::PlanResponse message;
-  REQUIRE(Set(answer, false, message, body).ok());
+  Set(answer, message, body);
   const v1::PlannedMotion& planned = message.motion();
   CHECK(planned.quality().joint_speed_violations() == 4);
   CHECK(planned.quality().joint_acceleration_violations() == 5);
@@ -220,13 +225,10 @@ TEST_CASE("PlanMessage: joint limits, efforts and balance", "[server][translate]
   CHECK(planned.balance().supported_seconds() == 2);
 }
 
-TEST_CASE("PlanMessage: a cancelled call writes no files", "[server][translate]") {
+TEST_CASE("WriteMotions: a cancelled call writes no files", "[server][translate]") {
   core::PlanAnswer answer;
   answer.motions = {Motion()};
-  v1::PlanResponse message;
-  const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
-  CHECK(absl::IsCancelled(SetPlan(
-      {.answer = answer}, "db", model, [] { return true; }, message)));
+  CHECK(absl::IsCancelled(WriteMotions(answer, {}, std::nullopt, [] { return true; }).status()));
 }
 
 }  // namespace

@@ -43,18 +43,11 @@ constexpr double kMaxWholeSeconds = 20;  // the rest of a longer clip is not use
 // the observation is aligned with.
 constexpr double kMaxComparisons = 6e9;
 
-// An UnknownSample before the weight of the evidence is known.
-struct UnknownTrial {
-  UnknownSample sample;          // without `best`
-  std::vector<double> evidence;  // of each label; -infinity if all its units were left out
-  WindowAlignment alignment;     // without the units
-};
-
 // Results of held-out observations.
 struct TrialResults {
   std::vector<JudgedSample> samples;  // of units whose label remains in the model
   std::vector<float> familiarity;
-  std::vector<UnknownTrial> unknown;
+  std::vector<UnknownSample> unknown;
 
   void Append(const TrialResults& other) {
     samples.insert(samples.end(), other.samples.begin(), other.samples.end());
@@ -66,7 +59,7 @@ struct TrialResults {
 // Recognizes parts of a unit with the model without the clips of LeftOutWith.
 class HeldOutUnit {
  public:
-  // `with_unknown`: also collect UnknownTrials.
+  // `with_unknown`: also collect UnknownSamples.
   HeldOutUnit(const Model& model, const LabelUnit& unit, bool with_unknown)
       : model_(model),
         units_(*model.action_units()),
@@ -189,21 +182,16 @@ class HeldOutUnit {
     return evidence;
   }
 
-  static WindowAlignment WithoutUnits(const WindowAlignment& alignment) {
-    return {.frames = alignment.frames, .energy = alignment.energy, .noise = alignment.noise};
-  }
-
   void AddKnown(const WindowAlignment& alignment, TrialResults& results) const {
     if (!has_label_) return;
-    std::vector<double> evidence = EvidenceOf(alignment, false);
-    const double own_fit = FitWithoutNoise(evidence[label()], alignment);
-    results.unknown.push_back(
-        {{false, unit_.clip, label(), {}, own_fit}, std::move(evidence), WithoutUnits(alignment)});
+    const std::vector<double> evidence = EvidenceOf(alignment, false);
+    results.unknown.push_back({false, unit_.clip, label(), FindBestLabel(evidence, alignment),
+                               FitWithoutNoise(evidence[label()], alignment)});
   }
 
   void AddUnknown(const WindowAlignment& others, TrialResults& results) const {
     results.unknown.push_back(
-        {{true, unit_.clip, label(), {}, 0}, EvidenceOf(others, true), WithoutUnits(others)});
+        {true, unit_.clip, label(), FindBestLabel(EvidenceOf(others, true), others), 0});
   }
 
   const Model& model_;
@@ -226,14 +214,7 @@ void Fit(const std::vector<std::string>& labels, TrialResults results,
   if (!results.samples.empty()) {
     calibration.weight = FitEvidenceWeight(results.samples, powers);
   }
-  if (with_unknown) {
-    std::vector<UnknownSample> samples;
-    for (UnknownTrial& trial : results.unknown) {
-      trial.sample.best = FindBestLabel(trial.evidence, trial.alignment, calibration.weight);
-      samples.push_back(trial.sample);
-    }
-    calibration.unknown = FitUnknownModel(labels, samples);
-  }
+  if (with_unknown) calibration.unknown = FitUnknownModel(labels, results.unknown);
   std::sort(results.familiarity.begin(), results.familiarity.end());
   calibration.familiarity = std::move(results.familiarity);
 }

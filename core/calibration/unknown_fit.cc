@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kShrinkageClips = 4;
 constexpr double kMinDeviation = 1e-6;
-constexpr std::size_t kMinLabelsForOdds = 3;
+constexpr std::size_t kMinLabelsForLead = 3;
 
 // The fits of the known clips.
 class KnownFits {
@@ -87,9 +87,9 @@ std::optional<UnknownModel> FitUnknownModel(const std::vector<std::string>& labe
     }
     kinds.push_back({sample.is_unknown, sample.clip, sample.label});
   }
-  // An unexplained motion is unknown; a better fit or higher odds make it known.
+  // A better fit and a larger lead make a motion known.
   const auto regression =
-      FitUnknownRegression(kinds, features, {1, -1, labels.size() < kMinLabelsForOdds ? 0 : -1});
+      FitUnknownRegression(kinds, features, {-1, labels.size() < kMinLabelsForLead ? 0 : -1});
   if (!regression) return std::nullopt;
   UnknownModel model;
   model.intercept = regression->intercept;

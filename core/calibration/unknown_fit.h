@@ -22,8 +22,8 @@ struct UnknownSample {
 // Fits the model by FitUnknownRegression; nullopt as there.
 //
 // The fits of a label are the mean and deviation of its known clips, shrunk towards those of all
-// labels as by 4 more clips; a sample is compared with them without its own clip. The log odds are
-// not used if unknown samples can have only one label.
+// labels as by 4 more clips; a sample is compared with them without its own clip. The lead is not
+// used if unknown samples can have only one label.
 std::optional<UnknownModel> FitUnknownModel(const std::vector<std::string>& labels,
                                             const std::vector<UnknownSample>& samples);
 

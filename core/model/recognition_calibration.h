@@ -29,7 +29,7 @@ struct LabelFit {
 // Logistic regression of the probability that a motion has none of the stored labels, from the
 // features of core/recognition/unknown.h.
 struct UnknownModel {
-  static constexpr int kFeatures = 3;
+  static constexpr int kFeatures = 2;
 
   double intercept = 0;
   std::array<double, kFeatures> weights = {};

@@ -168,12 +168,6 @@ std::vector<UnitEvidence> WindowRecognizer::DecisiveUnits() {
   return decisive;
 }
 
-double WindowRecognizer::Energy() const {
-  double sum = 0;
-  for (const std::int64_t frame : frames_) sum += window_->Kept(frame).squared_norm;
-  return sum / static_cast<double>(frames_.size());
-}
-
 double WindowRecognizer::Noise(const ObservedStates& states) {
   const std::int64_t newest = frames_.back();
   before_newest_.resize(newest - frames_.front(), model_.metric().projection.cols());
@@ -200,10 +194,8 @@ absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Recognize(const Obser
   ChooseFrames(states);
   MOTIONDB_RETURN_IF_ERROR(CompareClips(states, cancelled));
   const AnswerCalibration& calibration = model_.recognition().window;
-  const WindowAlignment alignment{.units = DecisiveUnits(),
-                                  .frames = static_cast<int>(frames_.size()),
-                                  .energy = Energy(),
-                                  .noise = Noise(states)};
+  const WindowAlignment alignment{
+      .units = DecisiveUnits(), .frames = static_cast<int>(frames_.size()), .noise = Noise(states)};
   LabelAnswer labels = LabelsOrUnknown(units_->labels(), alignment, calibration);
   Answer answer{std::move(labels.labels), labels.unknown_probability, 0, {}};
   answer.other_tracks =

@@ -61,7 +61,6 @@ class WindowRecognizer {
   // if there are other tracks.
   std::vector<UnitEvidence> DecisiveUnits();
   double LogEvidence(const CachedClip& clip, RowRange rows);
-  double Energy() const;
   double Noise(const ObservedStates& states);
   double FamiliarityScore();
 

@@ -197,7 +197,6 @@ std::vector<WindowAlignment> AlignBeginnings(const Model& model, const LabelUnit
     FrameMatrix observed(shared_count[b] + 1, shared.cols());
     observed << shared.topRows(shared_count[b]), newest.row(static_cast<Eigen::Index>(b));
     alignments[b].frames = shared_count[b] + 1;
-    alignments[b].energy = observed.rowwise().squaredNorm().mean();
     alignments[b].noise = NoiseEnergy(projected.topRows(beginnings.lengths[b] - 1));
     nearest[b].assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
     for (const int clip : ShortlistClips(model, nullptr, observed, mask)) {

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "core/inference/lattice.h"
+#include <limits>
 
 namespace motiondb::core {
 namespace {
 
 constexpr double kFitBound = 6;
-constexpr double kOddsBound = 4;
 constexpr double kDistanceOfEvidence = 6;  // a log density is -distance / 6 (clip_alignment.h)
 constexpr double kMinDistance = 1e-3;      // a motion compared with itself has evidence about 0
 constexpr double kNoiseError = 0.02;       // relative error of the noise, about its deviation
@@ -18,8 +16,6 @@ constexpr double kNoiseError = 0.02;       // relative error of the noise, about
 double WithoutNoise(double squared_distance, double noise) {
   return std::max({kMinDistance, kNoiseError * noise, squared_distance - noise});
 }
-
-double Bounded(double x, double bound) { return x / (1 + std::abs(x) / bound); }
 
 double UnknownProbability(const UnknownModel& model, const std::string& label,
                           const BestLabel& best) {
@@ -39,29 +35,22 @@ double FitWithoutNoise(double evidence, const WindowAlignment& alignment) {
          kDistanceOfEvidence;
 }
 
-BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment,
-                        const EvidenceWeight& weight) {
+BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment) {
   BestLabel best;
-  best.label = static_cast<std::size_t>(std::max_element(evidence.begin(), evidence.end()) -
-                                        evidence.begin());
+  best.label = static_cast<std::size_t>(std::ranges::max_element(evidence) - evidence.begin());
   best.fit = FitWithoutNoise(evidence[best.label], alignment);
-  best.unexplained =
-      std::log(-kDistanceOfEvidence * best.fit / WithoutNoise(alignment.energy, alignment.noise));
-  std::vector<double> others;
+  double second = -std::numeric_limits<double>::infinity();
   for (std::size_t l = 0; l < evidence.size(); ++l) {
-    if (l != best.label && std::isfinite(evidence[l]))
-      others.push_back(weight.At(alignment.frames) * evidence[l]);
+    if (l != best.label) second = std::max(second, evidence[l]);
   }
-  if (!others.empty()) {
-    best.log_odds = weight.At(alignment.frames) * evidence[best.label] - LogSum(others);
-  }
+  if (std::isfinite(second)) best.lead = std::log(FitWithoutNoise(second, alignment) / best.fit);
   return best;
 }
 
 std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best, double mean,
                                                             double deviation) {
-  return {best.unexplained, Bounded((best.fit - mean) / deviation, kFitBound),
-          Bounded(best.log_odds, kOddsBound)};
+  const double x = (best.fit - mean) / deviation;
+  return {x / (1 + std::abs(x) / kFitBound), best.lead};
 }
 
 LabelAnswer LabelsOrUnknown(const std::vector<std::string>& labels,
@@ -70,7 +59,7 @@ LabelAnswer LabelsOrUnknown(const std::vector<std::string>& labels,
   const std::vector<double> evidence = LabelEvidence(labels.size(), alignment.units);
   LabelAnswer answer;
   if (calibration.unknown && !labels.empty()) {
-    const BestLabel best = FindBestLabel(evidence, alignment, calibration.weight);
+    const BestLabel best = FindBestLabel(evidence, alignment);
     answer.unknown_probability = UnknownProbability(*calibration.unknown, labels[best.label], best);
   }
   answer.labels = LabelsByAlignment(labels, evidence, calibration.weight.At(alignment.frames));

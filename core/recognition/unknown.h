@@ -17,10 +17,9 @@ namespace motiondb::core {
 struct BestLabel {
   std::size_t label = 0;  // index into the labels
   double fit = 0;         // FitWithoutNoise
-  // Logarithm of the part of the motion that the label's best clip does not explain: the squared
-  // distance that `fit` amounts to, over that from the mean pose, both without noise.
-  double unexplained = 0;
-  double log_odds = 0;  // against all other labels, with the weight of the evidence
+  // Natural logarithm of the fit of the second-best label over `fit`: how many times more the
+  // motion differs from it. At least 0; 0 without a second label.
+  double lead = 0;
 };
 
 // Returns the log evidence per frame that a label's evidence would be without noise of the
@@ -28,12 +27,12 @@ struct BestLabel {
 double FitWithoutNoise(double evidence, const WindowAlignment& alignment);
 
 // `evidence`: LabelEvidence of at least one label; -infinity for a label that has no clips.
-BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment,
-                        const EvidenceWeight& weight);
+BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment);
 
-// Returns the features of UnknownModel: `unexplained`; the deviation of the fit from that of the
-// label's held-out clips, in standard deviations; the log odds. The last two are unbounded, so x is
-// replaced by x / (1 + |x| / bound), with the bounds 6 and 4.
+// Returns the features of UnknownModel: the deviation of the fit from that of the label's held-out
+// clips, in standard deviations, where x is replaced by x / (1 + |x| / 6) because it is unbounded;
+// and the lead. Both compare with stored motion of the same label or with another label, so that a
+// body or a recording unlike the stored ones changes them little.
 std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best, double mean,
                                                             double deviation);
 

@@ -99,7 +99,6 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model, const LabelUnits
   ClipAligner aligner(observed, anchored);
   WindowAlignment window;
   window.frames = static_cast<int>(compared.size());
-  window.energy = observed.rowwise().squaredNorm().mean();
   window.noise = NoiseEnergy(
       observation.projected.middleRows(compared.front(), compared.back() - compared.front()));
   for (const int clip : ShortlistClips(model, observation.own.get(), observed, mask)) {

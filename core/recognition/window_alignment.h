@@ -24,8 +24,7 @@ struct UnitEvidence {
 struct WindowAlignment {
   std::vector<UnitEvidence> units;  // in descending order of evidence
   int frames = 0;                   // number of compared frames
-  double energy = 0;  // mean over the frames of the squared distance from the metric's mean
-  double noise = 0;   // part of each frame's squared distances that is noise (noise_energy.h)
+  double noise = 0;  // part of each frame's squared distances that is noise (noise_energy.h)
   // Similarity to the stored clips: negative logarithm of the mean, over frames and dimensions, of
   // the squared whitened difference from the nearest stored motion (NearestState).
   double familiarity_score = 0;

@@ -148,10 +148,14 @@ void PutUnknown(FieldWriter& writer, const core::UnknownModel& model) {
   }
 }
 
-core::UnknownModel GetUnknown(FieldReader& reader) {
+// `weights`: their stored number; with another than kFeatures, the result is meaningless.
+core::UnknownModel GetUnknown(FieldReader& reader, int weights) {
   core::UnknownModel model;
   model.intercept = reader.Get<double>();
-  for (double& weight : model.weights) weight = reader.Get<double>();
+  for (int i = 0; i < weights; ++i) {
+    const auto weight = reader.Get<double>();
+    if (i < core::UnknownModel::kFeatures) model.weights[i] = weight;
+  }
   model.typical_mean = reader.Get<double>();
   model.typical_deviation = reader.Get<double>();
   bool valid = std::isfinite(model.intercept) && std::isfinite(model.typical_mean) &&
@@ -181,11 +185,11 @@ void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& cal
   PutUnknown(writer, *calibration.whole.unknown);
 }
 
-core::RecognitionCalibration GetRecognition(FieldReader& reader, bool has_unknown) {
+core::RecognitionCalibration GetRecognition(FieldReader& reader, int unknown_weights) {
   core::RecognitionCalibration calibration;
   calibration.window = GetAnswer(reader);
   calibration.whole = GetAnswer(reader);
-  if (!has_unknown) return calibration;
+  if (unknown_weights == 0) return calibration;
   const auto unknown = reader.Get<std::uint32_t>();
   if (unknown > static_cast<std::uint32_t>(core::UnknownCalibration::kTooFewClips)) {
     reader.Fail(core::DataLoss("calibration: unknown kind {}", unknown));
@@ -193,8 +197,14 @@ core::RecognitionCalibration GetRecognition(FieldReader& reader, bool has_unknow
   }
   calibration.unknown = static_cast<core::UnknownCalibration>(unknown);
   if (!reader.ok() || calibration.unknown != core::UnknownCalibration::kFitted) return calibration;
-  calibration.window.unknown = GetUnknown(reader);
-  calibration.whole.unknown = GetUnknown(reader);
+  core::UnknownModel window = GetUnknown(reader, unknown_weights);
+  core::UnknownModel whole = GetUnknown(reader, unknown_weights);
+  if (unknown_weights != core::UnknownModel::kFeatures) {
+    calibration.unknown = core::UnknownCalibration::kNotFitted;
+    return calibration;
+  }
+  calibration.window.unknown = std::move(window);
+  calibration.whole.unknown = std::move(whole);
   return calibration;
 }
 

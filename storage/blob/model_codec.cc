@@ -11,17 +11,25 @@ namespace {
 
 using core::Branch;
 
-constexpr std::uint32_t kPartsVersion = 5;
+constexpr std::uint32_t kPartsVersion = 6;
 constexpr std::uint32_t kPlainVersion = 1;    // without subjects, metric, prior, calibration
 constexpr std::uint32_t kPlaneVersion = 3;    // the first with the split planes of the tree
 constexpr std::uint32_t kUnknownVersion = 4;  // the first with the probability of unknown motion
 constexpr std::uint32_t kTracksVersion = 5;   // the first with tracks of labels
+constexpr std::uint32_t kLeadVersion = 6;     // the first with today's features of unknown motion
 constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
 constexpr std::size_t kClipBytes = kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
 constexpr std::size_t kSpanBytes = kTextBytes + 2 * sizeof(std::int32_t);
 constexpr std::size_t kTrackBytes = kTextBytes + sizeof(std::uint32_t);
 
 static_assert(sizeof(Branch) == 24, "branches are stored in their memory layout");
+
+// Number of weights of a stored core::UnknownModel.
+int UnknownWeights(std::uint32_t version) {
+  constexpr int kEarlierWeights = 3;
+  if (version < kUnknownVersion) return 0;
+  return version < kLeadVersion ? kEarlierWeights : core::UnknownModel::kFeatures;
+}
 
 std::uint32_t ToStored(core::Scaling scaling) {
   switch (scaling) {
@@ -321,7 +329,7 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
     GetSubjects(reader, parts.clips);
     if (version >= kTracksVersion) GetLabels(reader, parts.clips);
     parts.metric = GetMetric(reader, dimensions);
-    parts.recognition = GetRecognition(reader, version >= kUnknownVersion);
+    parts.recognition = GetRecognition(reader, UnknownWeights(version));
   }
   parts.build_seconds = reader.Get<double>();
   MOTIONDB_RETURN_IF_ERROR(reader.Finish());

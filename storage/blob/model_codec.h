@@ -48,6 +48,8 @@ void PutMetric(FieldWriter& writer, const core::MotionMetric& metric);
 core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions);
 
 void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& calibration);
-core::RecognitionCalibration GetRecognition(FieldReader& reader, bool has_unknown);
+// `unknown_weights`: stored weights of an UnknownModel; 0: none is stored. One with other features
+// than UnknownModel has is not used: kNotFitted.
+core::RecognitionCalibration GetRecognition(FieldReader& reader, int unknown_weights);
 
 }  // namespace motiondb::storage

@@ -219,8 +219,8 @@ TEST_CASE("ModelCodec: the model of unknown motion is decoded; an invalid one is
   core::Model model = SampleModel({SampleClip("d", "walk", 1)});
   core::RecognitionCalibration calibration;
   calibration.unknown = core::UnknownCalibration::kFitted;
-  calibration.window.unknown = {-1, {1, -2, -3}, -10, 5, {{"jog", -4, 1}, {"walk", -2, 0.5}}};
-  calibration.whole.unknown = {-2, {0.5, 0, 0}, -20, 6, {}};
+  calibration.window.unknown = {-1, {-2, -3}, -10, 5, {{"jog", -4, 1}, {"walk", -2, 0.5}}};
+  calibration.whole.unknown = {-2, {0.5, 0}, -20, 6, {}};
   const auto decoded = [&] {
     model.set_recognition(calibration);
     const std::string bytes = Encoded(model.parts());
@@ -302,6 +302,28 @@ TEST_CASE("ModelCodec: a model of version 4 has one label for each clip", "[stor
   const core::ModelParts parts = Require(storage::DecodeModel(source));
   REQUIRE(parts.clips[0].label() == "walk");
   REQUIRE(Encoded(parts) == Encoded(model.parts()));
+}
+
+TEST_CASE("ModelCodec: the model of unknown motion of version 5 is not used", "[storage][codec]") {
+  core::Model model = SampleModel({SampleClip("d", "walk", 1)});
+  core::RecognitionCalibration calibration;
+  calibration.unknown = core::UnknownCalibration::kFitted;
+  calibration.window = {{0.5, 0.25}, {1}, core::UnknownModel{-1, {-2, -3}, -10, 5, {}}};
+  calibration.whole = {{2, 0}, {3}, core::UnknownModel{-4, {-5, -6}, -20, 6, {}}};
+  model.set_recognition(calibration);
+  std::string bytes = Encoded(model.parts());
+  bytes[0] = 5;
+  // Each had a third weight.
+  for (const double last_weight : {-3.0, -6.0}) {
+    const std::string weight(reinterpret_cast<const char*>(&last_weight), sizeof(last_weight));
+    bytes.insert(bytes.rfind(weight), weight);
+  }
+  auto source = SourceOf(bytes);
+  const core::RecognitionCalibration back = Require(storage::DecodeModel(source)).recognition;
+  REQUIRE(back.unknown == core::UnknownCalibration::kNotFitted);
+  REQUIRE_FALSE(back.window.unknown.has_value());
+  REQUIRE_FALSE(back.whole.unknown.has_value());
+  REQUIRE(back.whole.weight.scale == 2);
 }
 
 TEST_CASE("ModelCodec: a model of a newer version is not corrupt", "[storage][codec]") {

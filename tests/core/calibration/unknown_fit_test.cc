@@ -27,8 +27,7 @@ std::vector<core::UnknownSample> Samples(int clips, double gap, unsigned seed) {
           is_unknown ? -4.0 - 8.0 * static_cast<double>(sample.best.label) : mean;
       sample.best.fit = of_best + normal(random) - (is_unknown ? gap : 0);
       sample.own_fit = is_unknown ? 0 : sample.best.fit;
-      sample.best.unexplained = 0.3 * normal(random) - (is_unknown ? 0.5 : 1);
-      sample.best.log_odds = 2 + normal(random) + (is_unknown ? 0 : 1);
+      sample.best.lead = std::abs(0.3 * normal(random)) + (is_unknown ? 0 : 1);
       samples.push_back(sample);
     }
   }
@@ -86,29 +85,34 @@ TEST_CASE("FitUnknownModel: each label has its own fit, shrunk towards that of a
 
 TEST_CASE("FitUnknownModel: a weight never contradicts the meaning of its feature",
           "[core][calibration]") {
-  // Unknown motion that fits better and has higher odds than known motion: nothing to learn.
+  // Unknown motion that fits better than known motion: only the lead is of use.
   std::vector<core::UnknownSample> samples = Samples(60, -3, 3);
+  const auto by_lead = core::FitUnknownModel(kLabels, samples);
+  REQUIRE(by_lead.has_value());
+  CHECK(by_lead->weights[0] == 0);
+  CHECK(by_lead->weights[1] < 0);
+  // Its lead is larger, too: nothing to learn.
   for (core::UnknownSample& sample : samples) {
-    if (sample.is_unknown) sample.best.log_odds += 4;
+    if (sample.is_unknown) sample.best.lead += 4;
   }
-  const auto model = core::FitUnknownModel(kLabels, samples);
-  REQUIRE(model.has_value());
-  CHECK(model->weights[0] > 0);
-  CHECK(model->weights[1] == 0);
-  CHECK(model->weights[2] == 0);
+  const auto constant = core::FitUnknownModel(kLabels, samples);
+  REQUIRE(constant.has_value());
+  CHECK(constant->weights[0] == 0);
+  CHECK(constant->weights[1] == 0);
 }
 
-TEST_CASE("FitUnknownModel: with two labels the log odds are not used", "[core][calibration]") {
+TEST_CASE("FitUnknownModel: with two labels the lead is not used", "[core][calibration]") {
   std::vector<core::UnknownSample> samples;
   for (core::UnknownSample sample : Samples(80, 2, 4)) {
     sample.label %= 2;
     sample.best.label %= 2;
-    if (sample.is_unknown) sample.best.log_odds = 0;  // one label is left: there are no odds
+    if (sample.is_unknown) sample.best.lead = 0;  // one label is left
     samples.push_back(sample);
   }
   const auto model = core::FitUnknownModel({"hop", "jog"}, samples);
   REQUIRE(model.has_value());
-  CHECK(model->weights[2] == 0);
+  CHECK(model->weights[0] < 0);
+  CHECK(model->weights[1] == 0);
 }
 
 TEST_CASE("FitUnknownModel: needs four clips of two labels of each kind", "[core][calibration]") {

@@ -14,13 +14,13 @@ namespace {
 
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
-core::WindowAlignment AlignmentOf(int frames, double energy, double noise = 0) {
-  return {.frames = frames, .energy = energy, .noise = noise};
+core::WindowAlignment AlignmentOf(int frames, double noise = 0) {
+  return {.frames = frames, .noise = noise};
 }
 
 core::UnknownModel ModelOfUnknown() {
   return {.intercept = -1,
-          .weights = {1, -0.5, -0.25},
+          .weights = {-0.5, -0.5},
           .typical_mean = -10,
           .typical_deviation = 5,
           .fits = {{"a", -2, 1}}};
@@ -36,48 +36,46 @@ std::vector<core::RecognizedWindow> WindowsOf(const core::Model& model,
 
 }  // namespace
 
-TEST_CASE("FindBestLabel: fit, odds and the unexplained part of the best label",
-          "[core][recognition]") {
-  const core::BestLabel best = core::FindBestLabel({-40, -20, -60}, AlignmentOf(10, 24), {0.5, 1});
+TEST_CASE("FindBestLabel: fit of the best label, and its lead", "[core][recognition]") {
+  const core::BestLabel best = core::FindBestLabel({-40, -20, -60}, AlignmentOf(10));
   CHECK(best.label == 1);
   CHECK(best.fit == Approx(-2));
-  CHECK(best.unexplained == Approx(std::log(6 * 2 / 24.0)));
-  CHECK(best.log_odds == Approx(-10 - std::log(std::exp(-20.0) + std::exp(-30.0))));
+  CHECK(best.lead == Approx(std::log(2)));
+  CHECK(core::FindBestLabel({-20, -20}, AlignmentOf(10)).lead == 0);
 }
 
 TEST_CASE("FindBestLabel: finite for labels without clips, a single label, and equal motion",
           "[core][recognition]") {
-  CHECK(core::FindBestLabel({kNone, -20, -60}, AlignmentOf(10, 24), {0.5, 1}).log_odds ==
-        Approx(20));
-  CHECK(core::FindBestLabel({kNone, -20}, AlignmentOf(10, 24), {0.5, 1}).log_odds == 0);
-  CHECK(core::FindBestLabel({-20}, AlignmentOf(10, 24), {0.5, 1}).log_odds == 0);
-  CHECK(std::isfinite(core::FindBestLabel({0.5}, AlignmentOf(1, 0), {1, 1}).unexplained));
+  CHECK(core::FindBestLabel({kNone, -20, -60}, AlignmentOf(10)).lead == Approx(std::log(3)));
+  CHECK(core::FindBestLabel({kNone, -20}, AlignmentOf(10)).lead == 0);
+  CHECK(core::FindBestLabel({-20}, AlignmentOf(10)).lead == 0);
+  const core::BestLabel equal = core::FindBestLabel({0.5, -6}, AlignmentOf(1));
+  CHECK(equal.fit == Approx(-1e-3 / 6));
+  CHECK(equal.lead == Approx(std::log(6 * 6 / 1e-3)));
 }
 
 TEST_CASE("FindBestLabel: noise that adds to all squared distances has no effect",
           "[core][recognition]") {
   const auto best_at = [](double noise) {
     const double added = 10 * noise / 6;  // evidence of 10 frames
-    return core::FindBestLabel({-40 - added, -20 - added, -60 - added},
-                               AlignmentOf(10, 24 + noise, noise), {0.5, 1});
+    return core::FindBestLabel({-40 - added, -20 - added, -60 - added}, AlignmentOf(10, noise));
   };
   const core::BestLabel clean = best_at(0);
   const core::BestLabel noisy = best_at(100);
   CHECK(noisy.label == clean.label);
   CHECK(noisy.fit == Approx(clean.fit));
-  CHECK(noisy.unexplained == Approx(clean.unexplained));
-  CHECK(noisy.log_odds == Approx(clean.log_odds));
+  CHECK(noisy.lead == Approx(clean.lead));
   // More noise than distance: all of the motion is explained, up to the error of the noise.
-  const core::BestLabel all = core::FindBestLabel({-20}, AlignmentOf(10, 124, 100), {0.5, 1});
+  const core::BestLabel all = core::FindBestLabel({-20, -30}, AlignmentOf(10, 100));
   CHECK(all.fit == Approx(-2.0 / 6));
-  CHECK(all.unexplained == Approx(std::log(2.0 / 24)));
+  CHECK(all.lead == 0);
 }
 
-TEST_CASE("UnknownFeatures: bounded", "[core][recognition]") {
-  const auto features = core::UnknownFeatures({0, -1e9, 0.5, 1e9}, 0, 1);
-  CHECK(features[0] == 0.5);
-  CHECK(features[1] == Approx(-6));
-  CHECK(features[2] == Approx(4));
+TEST_CASE("UnknownFeatures: the deviation of the fit is bounded", "[core][recognition]") {
+  const auto features = core::UnknownFeatures({0, -1e9, 0.5}, 0, 1);
+  CHECK(features[0] == Approx(-6));
+  CHECK(features[1] == 0.5);
+  CHECK(core::UnknownFeatures({0, -9, 0}, -6, 2)[0] == Approx(-1.5 / 1.25));
 }
 
 TEST_CASE("Recognize: labels and unknown sum to 1; without a fitted model the labels alone",

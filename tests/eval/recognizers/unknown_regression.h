@@ -9,8 +9,7 @@
 namespace motiondb::tests {
 
 // P(unknown) = 1 / (1 + exp(-(intercept + score_weight s + odds_weight o))). s: the best score.
-// o: log odds x of the best label by Softmax, bounded as the database bounds them: x / (1 + |x| /
-// 4).
+// o: log odds x of the best label by Softmax, bounded: x / (1 + |x| / 4).
 struct UnknownRegression {
   double temperature = 1;
   double intercept = 0;

@@ -12,7 +12,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       bytes, [&](storage::FieldReader& reader) { return storage::GetMetric(reader, dimensions); },
       storage::PutMetric);
   (void)tests::CheckFieldCodec(
-      bytes, [](storage::FieldReader& reader) { return storage::GetRecognition(reader, true); },
+      bytes,
+      [](storage::FieldReader& reader) {
+        return storage::GetRecognition(reader, core::UnknownModel::kFeatures);
+      },
       storage::PutRecognition);
   return 0;
 }

@@ -186,7 +186,7 @@ class HeldOutUnit {
     if (!has_label_) return;
     const std::vector<double> evidence = EvidenceOf(alignment, false);
     results.unknown.push_back({false, unit_.clip, label(), FindBestLabel(evidence, alignment),
-                               FitWithoutNoise(evidence[label()], alignment)});
+                               LogDistance(evidence[label()], alignment)});
   }
 
   void AddUnknown(const WindowAlignment& others, TrialResults& results) const {

@@ -16,14 +16,14 @@ struct UnknownSample {
   int clip = 0;
   std::size_t label = 0;  // of the clip, an index into the labels
   BestLabel best;
-  double own_fit = 0;  // known: log evidence per frame of its own label
+  double own_log_distance = 0;  // known: LogDistance of its own label
 };
 
 // Fits the model by FitUnknownRegression; nullopt as there.
 //
-// The fits of a label are the mean and deviation of its known clips, shrunk towards those of all
-// labels as by 4 more clips; a sample is compared with them without its own clip. The lead is not
-// used if unknown samples can have only one label.
+// The log distance of a label is the mean of its known clips, shrunk towards that of all labels as
+// by 4 more clips; a sample is compared with it without its own clip. The lead is not used if
+// unknown samples can have only one label.
 std::optional<UnknownModel> FitUnknownModel(const std::vector<std::string>& labels,
                                             const std::vector<UnknownSample>& samples);
 

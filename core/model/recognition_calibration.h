@@ -19,11 +19,10 @@ struct EvidenceWeight {
   double At(int frames) const { return scale * std::pow(frames, power - 1); }
 };
 
-// Log evidence per frame of a label's held-out clips for the label: how similar its clips are.
-struct LabelFit {
+// How much held-out clips of a label differ from the label's other clips.
+struct LabelDistance {
   std::string label;
-  double mean = 0;
-  double deviation = 1;
+  double log_distance = 0;  // LogDistance of core/recognition/unknown.h, mean over the clips
 };
 
 // Logistic regression of the probability that a motion has none of the stored labels, from the
@@ -33,9 +32,8 @@ struct UnknownModel {
 
   double intercept = 0;
   std::array<double, kFeatures> weights = {};
-  double typical_mean = 0;  // of a label without a fit
-  double typical_deviation = 1;
-  std::vector<LabelFit> fits;  // ascending by label
+  double typical_log_distance = 0;    // of a label that is not in `labels`
+  std::vector<LabelDistance> labels;  // ascending by label
 };
 
 struct AnswerCalibration {

@@ -7,22 +7,16 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kFitBound = 6;
 constexpr double kDistanceOfEvidence = 6;  // a log density is -distance / 6 (clip_alignment.h)
 constexpr double kMinDistance = 1e-3;      // a motion compared with itself has evidence about 0
 constexpr double kNoiseError = 0.02;       // relative error of the noise, about its deviation
 
-// Returns the part of a squared distance that is not noise.
-double WithoutNoise(double squared_distance, double noise) {
-  return std::max({kMinDistance, kNoiseError * noise, squared_distance - noise});
-}
-
 double UnknownProbability(const UnknownModel& model, const std::string& label,
                           const BestLabel& best) {
-  const auto fit = std::ranges::lower_bound(model.fits, label, {}, &LabelFit::label);
-  const bool has_fit = fit != model.fits.end() && fit->label == label;
-  const auto features = UnknownFeatures(best, has_fit ? fit->mean : model.typical_mean,
-                                        has_fit ? fit->deviation : model.typical_deviation);
+  const auto of_label = std::ranges::lower_bound(model.labels, label, {}, &LabelDistance::label);
+  const bool is_fitted = of_label != model.labels.end() && of_label->label == label;
+  const auto features =
+      UnknownFeatures(best, is_fitted ? of_label->log_distance : model.typical_log_distance);
   double log_odds = model.intercept;
   for (std::size_t i = 0; i < features.size(); ++i) log_odds += model.weights[i] * features[i];
   return 1 / (1 + std::exp(-log_odds));
@@ -30,27 +24,27 @@ double UnknownProbability(const UnknownModel& model, const std::string& label,
 
 }  // namespace
 
-double FitWithoutNoise(double evidence, const WindowAlignment& alignment) {
-  return -WithoutNoise(-kDistanceOfEvidence * evidence / alignment.frames, alignment.noise) /
-         kDistanceOfEvidence;
+double LogDistance(double evidence, const WindowAlignment& alignment) {
+  const double distance = -kDistanceOfEvidence * evidence / alignment.frames;
+  return std::log(
+      std::max({kMinDistance, kNoiseError * alignment.noise, distance - alignment.noise}));
 }
 
 BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment) {
   BestLabel best;
   best.label = static_cast<std::size_t>(std::ranges::max_element(evidence) - evidence.begin());
-  best.fit = FitWithoutNoise(evidence[best.label], alignment);
+  best.log_distance = LogDistance(evidence[best.label], alignment);
   double second = -std::numeric_limits<double>::infinity();
   for (std::size_t l = 0; l < evidence.size(); ++l) {
     if (l != best.label) second = std::max(second, evidence[l]);
   }
-  if (std::isfinite(second)) best.lead = std::log(FitWithoutNoise(second, alignment) / best.fit);
+  if (std::isfinite(second)) best.lead = LogDistance(second, alignment) - best.log_distance;
   return best;
 }
 
-std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best, double mean,
-                                                            double deviation) {
-  const double x = (best.fit - mean) / deviation;
-  return {x / (1 + std::abs(x) / kFitBound), best.lead};
+std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best,
+                                                            double typical_log_distance) {
+  return {best.log_distance - typical_log_distance, best.lead};
 }
 
 LabelAnswer LabelsOrUnknown(const std::vector<std::string>& labels,

@@ -15,26 +15,26 @@ namespace motiondb::core {
 
 // What an alignment says about the most probable label.
 struct BestLabel {
-  std::size_t label = 0;  // index into the labels
-  double fit = 0;         // FitWithoutNoise
-  // Natural logarithm of the fit of the second-best label over `fit`: how many times more the
-  // motion differs from it. At least 0; 0 without a second label.
+  std::size_t label = 0;    // index into the labels
+  double log_distance = 0;  // LogDistance
+  // By how much the LogDistance of the second-best label is larger: at least 0; 0 without a second
+  // label.
   double lead = 0;
 };
 
-// Returns the log evidence per frame that a label's evidence would be without noise of the
-// observation. Noise adds the same amount to the squared distances from all motion.
-double FitWithoutNoise(double evidence, const WindowAlignment& alignment);
+// Returns the natural logarithm of the squared distance that a label's evidence amounts to, mean
+// over the frames, in the metric. The noise of the observation, which adds the same amount to the
+// squared distances from all motion, is subtracted.
+double LogDistance(double evidence, const WindowAlignment& alignment);
 
 // `evidence`: LabelEvidence of at least one label; -infinity for a label that has no clips.
 BestLabel FindBestLabel(const std::vector<double>& evidence, const WindowAlignment& alignment);
 
-// Returns the features of UnknownModel: the deviation of the fit from that of the label's held-out
-// clips, in standard deviations, where x is replaced by x / (1 + |x| / 6) because it is unbounded;
-// and the lead. Both compare with stored motion of the same label or with another label, so that a
-// body or a recording unlike the stored ones changes them little.
-std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best, double mean,
-                                                            double deviation);
+// Returns the features of UnknownModel: by how much the log distance is larger than that of the
+// label's held-out clips, and the lead. Both are logarithms of ratios of distances, so that motion
+// of another body or recording, which is less like all stored motion, changes them little.
+std::array<double, UnknownModel::kFeatures> UnknownFeatures(const BestLabel& best,
+                                                            double typical_log_distance);
 
 // The probability that a motion is unknown before it is observed, however many labels there are.
 inline constexpr double kUnknownShare = 0.08;

@@ -133,45 +133,47 @@ core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions) {
 
 namespace {
 
-constexpr std::size_t kMinFitBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
-
 void PutUnknown(FieldWriter& writer, const core::UnknownModel& model) {
   writer.Put(model.intercept);
   for (const double weight : model.weights) writer.Put(weight);
-  writer.Put(model.typical_mean);
-  writer.Put(model.typical_deviation);
-  writer.PutCount(model.fits.size());
-  for (const core::LabelFit& fit : model.fits) {
-    writer.PutText(fit.label);
-    writer.Put(fit.mean);
-    writer.Put(fit.deviation);
+  writer.Put(model.typical_log_distance);
+  writer.PutCount(model.labels.size());
+  for (const core::LabelDistance& of_label : model.labels) {
+    writer.PutText(of_label.label);
+    writer.Put(of_label.log_distance);
   }
 }
 
-// `weights`: their stored number; with another than kFeatures, the result is meaningless.
-core::UnknownModel GetUnknown(FieldReader& reader, int weights) {
+core::UnknownModel GetUnknown(FieldReader& reader) {
+  constexpr std::size_t kMinLabelBytes = sizeof(double) + sizeof(std::uint32_t);
   core::UnknownModel model;
   model.intercept = reader.Get<double>();
-  for (int i = 0; i < weights; ++i) {
-    const auto weight = reader.Get<double>();
-    if (i < core::UnknownModel::kFeatures) model.weights[i] = weight;
-  }
-  model.typical_mean = reader.Get<double>();
-  model.typical_deviation = reader.Get<double>();
-  bool valid = std::isfinite(model.intercept) && std::isfinite(model.typical_mean) &&
-               std::isfinite(model.typical_deviation) && model.typical_deviation > 0;
+  for (double& weight : model.weights) weight = reader.Get<double>();
+  model.typical_log_distance = reader.Get<double>();
+  bool valid = std::isfinite(model.intercept) && std::isfinite(model.typical_log_distance);
   for (const double weight : model.weights) valid = valid && std::isfinite(weight);
-  model.fits.resize(reader.GetCount(kMinFitBytes));
-  for (std::size_t i = 0; i < model.fits.size(); ++i) {
-    core::LabelFit& fit = model.fits[i];
-    fit.label = reader.GetText();
-    fit.mean = reader.Get<double>();
-    fit.deviation = reader.Get<double>();
-    valid = valid && std::isfinite(fit.mean) && std::isfinite(fit.deviation) && fit.deviation > 0 &&
-            (i == 0 || model.fits[i - 1].label < fit.label);
+  model.labels.resize(reader.GetCount(kMinLabelBytes));
+  for (std::size_t i = 0; i < model.labels.size(); ++i) {
+    core::LabelDistance& of_label = model.labels[i];
+    of_label.label = reader.GetText();
+    of_label.log_distance = reader.Get<double>();
+    valid = valid && std::isfinite(of_label.log_distance) &&
+            (i == 0 || model.labels[i - 1].label < of_label.label);
   }
   if (!valid) reader.Fail(core::DataLoss("calibration: invalid model of unknown motion"));
   return model;
+}
+
+// Reads over a model of versions 4 and 5, which had other features.
+void SkipEarlierUnknown(FieldReader& reader) {
+  constexpr std::size_t kMinLabelBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
+  for (int i = 0; i < 6; ++i) reader.Get<double>();
+  const std::size_t labels = reader.GetCount(kMinLabelBytes);
+  for (std::size_t i = 0; i < labels && reader.ok(); ++i) {
+    reader.GetText();
+    reader.Get<double>();
+    reader.Get<double>();
+  }
 }
 
 }  // namespace
@@ -185,11 +187,11 @@ void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& cal
   PutUnknown(writer, *calibration.whole.unknown);
 }
 
-core::RecognitionCalibration GetRecognition(FieldReader& reader, int unknown_weights) {
+core::RecognitionCalibration GetRecognition(FieldReader& reader, StoredUnknown stored) {
   core::RecognitionCalibration calibration;
   calibration.window = GetAnswer(reader);
   calibration.whole = GetAnswer(reader);
-  if (unknown_weights == 0) return calibration;
+  if (stored == StoredUnknown::kNone) return calibration;
   const auto unknown = reader.Get<std::uint32_t>();
   if (unknown > static_cast<std::uint32_t>(core::UnknownCalibration::kTooFewClips)) {
     reader.Fail(core::DataLoss("calibration: unknown kind {}", unknown));
@@ -197,14 +199,14 @@ core::RecognitionCalibration GetRecognition(FieldReader& reader, int unknown_wei
   }
   calibration.unknown = static_cast<core::UnknownCalibration>(unknown);
   if (!reader.ok() || calibration.unknown != core::UnknownCalibration::kFitted) return calibration;
-  core::UnknownModel window = GetUnknown(reader, unknown_weights);
-  core::UnknownModel whole = GetUnknown(reader, unknown_weights);
-  if (unknown_weights != core::UnknownModel::kFeatures) {
+  if (stored == StoredUnknown::kEarlier) {
+    SkipEarlierUnknown(reader);
+    SkipEarlierUnknown(reader);
     calibration.unknown = core::UnknownCalibration::kNotFitted;
     return calibration;
   }
-  calibration.window.unknown = std::move(window);
-  calibration.whole.unknown = std::move(whole);
+  calibration.window.unknown = GetUnknown(reader);
+  calibration.whole.unknown = GetUnknown(reader);
   return calibration;
 }
 

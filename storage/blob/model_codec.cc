@@ -24,11 +24,9 @@ constexpr std::size_t kTrackBytes = kTextBytes + sizeof(std::uint32_t);
 
 static_assert(sizeof(Branch) == 24, "branches are stored in their memory layout");
 
-// Number of weights of a stored core::UnknownModel.
-int UnknownWeights(std::uint32_t version) {
-  constexpr int kEarlierWeights = 3;
-  if (version < kUnknownVersion) return 0;
-  return version < kLeadVersion ? kEarlierWeights : core::UnknownModel::kFeatures;
+StoredUnknown UnknownOf(std::uint32_t version) {
+  if (version < kUnknownVersion) return StoredUnknown::kNone;
+  return version < kLeadVersion ? StoredUnknown::kEarlier : StoredUnknown::kCurrent;
 }
 
 std::uint32_t ToStored(core::Scaling scaling) {
@@ -329,7 +327,7 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
     GetSubjects(reader, parts.clips);
     if (version >= kTracksVersion) GetLabels(reader, parts.clips);
     parts.metric = GetMetric(reader, dimensions);
-    parts.recognition = GetRecognition(reader, UnknownWeights(version));
+    parts.recognition = GetRecognition(reader, UnknownOf(version));
   }
   parts.build_seconds = reader.Get<double>();
   MOTIONDB_RETURN_IF_ERROR(reader.Finish());

@@ -48,8 +48,11 @@ void PutMetric(FieldWriter& writer, const core::MotionMetric& metric);
 core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions);
 
 void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& calibration);
-// `unknown_weights`: stored weights of an UnknownModel; 0: none is stored. One with other features
-// than UnknownModel has is not used: kNotFitted.
-core::RecognitionCalibration GetRecognition(FieldReader& reader, int unknown_weights);
+
+// The UnknownModel of a stored calibration. An earlier kind, with other features, is not used: the
+// calibration is kNotFitted.
+enum class StoredUnknown { kNone, kEarlier, kCurrent };
+
+core::RecognitionCalibration GetRecognition(FieldReader& reader, StoredUnknown stored);
 
 }  // namespace motiondb::storage

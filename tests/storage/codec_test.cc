@@ -219,8 +219,8 @@ TEST_CASE("ModelCodec: the model of unknown motion is decoded; an invalid one is
   core::Model model = SampleModel({SampleClip("d", "walk", 1)});
   core::RecognitionCalibration calibration;
   calibration.unknown = core::UnknownCalibration::kFitted;
-  calibration.window.unknown = {-1, {-2, -3}, -10, 5, {{"jog", -4, 1}, {"walk", -2, 0.5}}};
-  calibration.whole.unknown = {-2, {0.5, 0}, -20, 6, {}};
+  calibration.window.unknown = {-1, {2, -3}, 5, {{"jog", 4}, {"walk", -2}}};
+  calibration.whole.unknown = {-2, {0.5, 0}, 6, {}};
   const auto decoded = [&] {
     model.set_recognition(calibration);
     const std::string bytes = Encoded(model.parts());
@@ -230,21 +230,20 @@ TEST_CASE("ModelCodec: the model of unknown motion is decoded; an invalid one is
   const core::RecognitionCalibration back = Require(decoded()).recognition;
   REQUIRE(back.unknown == core::UnknownCalibration::kFitted);
   REQUIRE(back.window.unknown->weights == calibration.window.unknown->weights);
-  REQUIRE(back.window.unknown->fits.size() == 2);
-  REQUIRE(back.window.unknown->fits[1].label == "walk");
-  REQUIRE(back.window.unknown->fits[1].deviation == 0.5);
+  REQUIRE(back.window.unknown->labels.size() == 2);
+  REQUIRE(back.window.unknown->labels[1].label == "walk");
+  REQUIRE(back.window.unknown->labels[1].log_distance == -2);
   REQUIRE(back.whole.unknown->intercept == -2);
-  REQUIRE(back.whole.unknown->typical_mean == -20);
-  REQUIRE(back.whole.unknown->typical_deviation == 6);
+  REQUIRE(back.whole.unknown->typical_log_distance == 6);
 
   const auto require_refused = [&] {
     REQUIRE_ERROR(decoded().status(), absl::StatusCode::kDataLoss, "unknown motion");
   };
-  calibration.window.unknown->fits[1].label = "jog";  // not ascending
+  calibration.window.unknown->labels[1].label = "jog";  // not ascending
   require_refused();
-  calibration.window.unknown->fits[1] = {"walk", -2, 0};
+  calibration.window.unknown->labels[1] = {"walk", std::nan("")};
   require_refused();
-  calibration.window.unknown->fits.clear();
+  calibration.window.unknown->labels.clear();
   calibration.whole.unknown->weights[1] = std::nan("");
   require_refused();
 
@@ -308,15 +307,15 @@ TEST_CASE("ModelCodec: the model of unknown motion of version 5 is not used", "[
   core::Model model = SampleModel({SampleClip("d", "walk", 1)});
   core::RecognitionCalibration calibration;
   calibration.unknown = core::UnknownCalibration::kFitted;
-  calibration.window = {{0.5, 0.25}, {1}, core::UnknownModel{-1, {-2, -3}, -10, 5, {}}};
-  calibration.whole = {{2, 0}, {3}, core::UnknownModel{-4, {-5, -6}, -20, 6, {}}};
+  calibration.window = {{0.5, 0.25}, {1}, core::UnknownModel{-1, {2, -3}, 5, {{"walk", 4}}}};
+  calibration.whole = {{2, 0}, {3}, core::UnknownModel{-4, {8, -6}, 7, {}}};
   model.set_recognition(calibration);
   std::string bytes = Encoded(model.parts());
   bytes[0] = 5;
-  // Each had a third weight.
-  for (const double last_weight : {-3.0, -6.0}) {
-    const std::string weight(reinterpret_cast<const char*>(&last_weight), sizeof(last_weight));
-    bytes.insert(bytes.rfind(weight), weight);
+  // It had a third weight, and a deviation for the typical label and for each label.
+  for (const double before : {-3.0, 5.0, 4.0, -6.0, 7.0}) {
+    const std::string number(reinterpret_cast<const char*>(&before), sizeof(before));
+    bytes.insert(bytes.rfind(number), number);
   }
   auto source = SourceOf(bytes);
   const core::RecognitionCalibration back = Require(storage::DecodeModel(source)).recognition;

@@ -11,22 +11,23 @@ namespace {
 
 const std::vector<std::string> kLabels = {"hop", "jog", "sit", "walk"};
 
-// Clips of labels with different fits: hop clips differ more from each other than walk clips.
-// Unknown motion fits the label that it resembles by `gap` less.
+// Log distance of the known clips of a label.
+double OfLabel(std::size_t label) { return 1 + 2 * static_cast<double>(label); }
+
+// Clips of labels with different distances: hop clips are more alike than walk clips. Unknown
+// motion differs by `gap` more from the label that it resembles.
 std::vector<core::UnknownSample> Samples(int clips, double gap, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::vector<core::UnknownSample> samples;
   for (int clip = 0; clip < clips; ++clip) {
     const auto label = static_cast<std::size_t>(clip) % kLabels.size();
-    const double mean = -4.0 - 8.0 * static_cast<double>(label);
     for (const bool is_unknown : {false, true}) {
       core::UnknownSample sample{is_unknown, clip, label, {}, 0};
       sample.best.label = is_unknown ? (label + 1) % kLabels.size() : label;
-      const double of_best =
-          is_unknown ? -4.0 - 8.0 * static_cast<double>(sample.best.label) : mean;
-      sample.best.fit = of_best + normal(random) - (is_unknown ? gap : 0);
-      sample.own_fit = is_unknown ? 0 : sample.best.fit;
+      sample.best.log_distance =
+          OfLabel(sample.best.label) + normal(random) + (is_unknown ? gap : 0);
+      sample.own_log_distance = is_unknown ? 0 : sample.best.log_distance;
       sample.best.lead = std::abs(0.3 * normal(random)) + (is_unknown ? 0 : 1);
       samples.push_back(sample);
     }
@@ -35,9 +36,8 @@ std::vector<core::UnknownSample> Samples(int clips, double gap, unsigned seed) {
 }
 
 double Probability(const core::UnknownModel& model, const core::BestLabel& best) {
-  const core::LabelFit& fit = model.fits[best.label];
   double log_odds = model.intercept;
-  const auto features = core::UnknownFeatures(best, fit.mean, fit.deviation);
+  const auto features = core::UnknownFeatures(best, model.labels[best.label].log_distance);
   for (std::size_t i = 0; i < features.size(); ++i) log_odds += model.weights[i] * features[i];
   return 1 / (1 + std::exp(-log_odds));
 }
@@ -68,24 +68,21 @@ TEST_CASE("FitUnknownModel: probabilities equal frequencies at the assumed share
   CHECK(errors[1] / count[1] < 0.35);
 }
 
-TEST_CASE("FitUnknownModel: each label has its own fit, shrunk towards that of all",
+TEST_CASE("FitUnknownModel: each label has its own distance, shrunk towards that of all",
           "[core][calibration]") {
   const auto model = core::FitUnknownModel(kLabels, Samples(400, 2, 1));
   REQUIRE(model.has_value());
-  REQUIRE(model->fits.size() == kLabels.size());
-  CHECK(model->typical_mean == Approx(-16).margin(0.3));
+  REQUIRE(model->labels.size() == kLabels.size());
+  CHECK(model->typical_log_distance == Approx(4).margin(0.3));
   for (std::size_t l = 0; l < kLabels.size(); ++l) {
-    const double own = -4.0 - 8.0 * static_cast<double>(l);
-    CHECK(model->fits[l].label == kLabels[l]);
-    CHECK(model->fits[l].mean == Approx((100 * own + 4 * -16) / 104).margin(0.4));
-    CHECK(model->fits[l].deviation > 0.5);
-    CHECK(model->fits[l].deviation < 3);
+    CHECK(model->labels[l].label == kLabels[l]);
+    CHECK(model->labels[l].log_distance == Approx((100 * OfLabel(l) + 4 * 4) / 104).margin(0.4));
   }
 }
 
 TEST_CASE("FitUnknownModel: a weight never contradicts the meaning of its feature",
           "[core][calibration]") {
-  // Unknown motion that fits better than known motion: only the lead is of use.
+  // Unknown motion that differs less than known motion: only the lead is of use.
   std::vector<core::UnknownSample> samples = Samples(60, -3, 3);
   const auto by_lead = core::FitUnknownModel(kLabels, samples);
   REQUIRE(by_lead.has_value());
@@ -111,7 +108,7 @@ TEST_CASE("FitUnknownModel: with two labels the lead is not used", "[core][calib
   }
   const auto model = core::FitUnknownModel({"hop", "jog"}, samples);
   REQUIRE(model.has_value());
-  CHECK(model->weights[0] < 0);
+  CHECK(model->weights[0] > 0);
   CHECK(model->weights[1] == 0);
 }
 

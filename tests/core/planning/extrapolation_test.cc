@@ -28,7 +28,7 @@ TEST_CASE("MeasureExtrapolation: the window that is least like stored motion", "
   CHECK_FALSE(motion.quality.unknown.has_value());  // not calibrated
 
   core::RecognitionCalibration calibration;
-  calibration.window.unknown = core::UnknownModel{.intercept = 1, .weights = {-0.5, -0.5}};
+  calibration.window.unknown = core::UnknownModel{.intercept = 1, .weights = {0.5, -0.5}};
   calibration.unknown = core::UnknownCalibration::kFitted;
   model.set_recognition(calibration);
   REQUIRE(measure().ok());

@@ -201,7 +201,7 @@ TEST_CASE("Predict: the unknown probability is that of the last 0.4 s", "[core][
   CHECK_FALSE(plain->unknown_probability.has_value());
 
   core::RecognitionCalibration calibration;
-  calibration.window.unknown = core::UnknownModel{.intercept = 1, .weights = {-0.5, -0.5}};
+  calibration.window.unknown = core::UnknownModel{.intercept = 1, .weights = {0.5, -0.5}};
   calibration.unknown = core::UnknownCalibration::kFitted;
   model.set_recognition(calibration);
   for (const double history : {0.1, 0.4, 0.5}) {

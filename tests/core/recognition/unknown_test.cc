@@ -19,11 +19,7 @@ core::WindowAlignment AlignmentOf(int frames, double noise = 0) {
 }
 
 core::UnknownModel ModelOfUnknown() {
-  return {.intercept = -1,
-          .weights = {-0.5, -0.5},
-          .typical_mean = -10,
-          .typical_deviation = 5,
-          .fits = {{"a", -2, 1}}};
+  return {.intercept = -1, .weights = {1, -0.5}, .typical_log_distance = 3, .labels = {{"a", 2.5}}};
 }
 
 std::vector<core::RecognizedWindow> WindowsOf(const core::Model& model,
@@ -36,12 +32,15 @@ std::vector<core::RecognizedWindow> WindowsOf(const core::Model& model,
 
 }  // namespace
 
-TEST_CASE("FindBestLabel: fit of the best label, and its lead", "[core][recognition]") {
+TEST_CASE("FindBestLabel: distance of the best label, and its lead", "[core][recognition]") {
   const core::BestLabel best = core::FindBestLabel({-40, -20, -60}, AlignmentOf(10));
   CHECK(best.label == 1);
-  CHECK(best.fit == Approx(-2));
+  CHECK(best.log_distance == Approx(std::log(6 * 2)));
   CHECK(best.lead == Approx(std::log(2)));
   CHECK(core::FindBestLabel({-20, -20}, AlignmentOf(10)).lead == 0);
+  const auto features = core::UnknownFeatures(best, 2);
+  CHECK(features[0] == Approx(std::log(12) - 2));
+  CHECK(features[1] == best.lead);
 }
 
 TEST_CASE("FindBestLabel: finite for labels without clips, a single label, and equal motion",
@@ -50,7 +49,7 @@ TEST_CASE("FindBestLabel: finite for labels without clips, a single label, and e
   CHECK(core::FindBestLabel({kNone, -20}, AlignmentOf(10)).lead == 0);
   CHECK(core::FindBestLabel({-20}, AlignmentOf(10)).lead == 0);
   const core::BestLabel equal = core::FindBestLabel({0.5, -6}, AlignmentOf(1));
-  CHECK(equal.fit == Approx(-1e-3 / 6));
+  CHECK(equal.log_distance == Approx(std::log(1e-3)));
   CHECK(equal.lead == Approx(std::log(6 * 6 / 1e-3)));
 }
 
@@ -63,19 +62,12 @@ TEST_CASE("FindBestLabel: noise that adds to all squared distances has no effect
   const core::BestLabel clean = best_at(0);
   const core::BestLabel noisy = best_at(100);
   CHECK(noisy.label == clean.label);
-  CHECK(noisy.fit == Approx(clean.fit));
+  CHECK(noisy.log_distance == Approx(clean.log_distance));
   CHECK(noisy.lead == Approx(clean.lead));
   // More noise than distance: all of the motion is explained, up to the error of the noise.
   const core::BestLabel all = core::FindBestLabel({-20, -30}, AlignmentOf(10, 100));
-  CHECK(all.fit == Approx(-2.0 / 6));
+  CHECK(all.log_distance == Approx(std::log(2)));
   CHECK(all.lead == 0);
-}
-
-TEST_CASE("UnknownFeatures: the deviation of the fit is bounded", "[core][recognition]") {
-  const auto features = core::UnknownFeatures({0, -1e9, 0.5}, 0, 1);
-  CHECK(features[0] == Approx(-6));
-  CHECK(features[1] == 0.5);
-  CHECK(core::UnknownFeatures({0, -9, 0}, -6, 2)[0] == Approx(-1.5 / 1.25));
 }
 
 TEST_CASE("Recognize: labels and unknown sum to 1; without a fitted model the labels alone",

@@ -78,7 +78,7 @@ TEST_CASE("Seeds: models and their parts", "[seeds]") {
             markers + Fields(storage::PutRecognition, calibration));
   calibration.unknown = core::UnknownCalibration::kFitted;
   calibration.window.unknown = calibration.whole.unknown =
-      core::UnknownModel{-1, {-1, -1}, -10, 5, {{"walk", -2, 1}}};
+      core::UnknownModel{-1, {1, -1}, 3, {{"walk", 2}}};
   WriteSeed("recognition_codec_fuzz", "unknown",
             markers + Fields(storage::PutRecognition, calibration));
 }

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)tests::CheckFieldCodec(
       bytes,
       [](storage::FieldReader& reader) {
-        return storage::GetRecognition(reader, core::UnknownModel::kFeatures);
+        return storage::GetRecognition(reader, storage::StoredUnknown::kCurrent);
       },
       storage::PutRecognition);
   return 0;

@@ -7,6 +7,7 @@
 #include "client/call_failure.h"
 #include "tests/client/other_program.h"
 #include "tests/client/run_motiondb.h"
+#include "tests/support/project_paths.h"
 
 namespace motiondb::tests::connect_failure_test {
 namespace {
@@ -53,8 +54,8 @@ TEST_CASE("motiondb: the port of another program", "[client][cli]") {
 
 TEST_CASE("motiondb: GRPC_VERBOSITY enables the log of gRPC", "[client][cli]") {
   const OtherProgram web(kHttp);
-  const auto result = RunProgram(
-      {"env", "GRPC_VERBOSITY=ERROR", MOTIONDB_CLI, "--server", web.address(), "--tls", "list"});
+  const auto result = RunProgram({"env", "GRPC_VERBOSITY=ERROR", MotiondbProgram(), "--server",
+                                  web.address(), "--tls", "list"});
   CHECK_THAT(result.err, Contains("ssl_transport_security.cc"));
 }
 

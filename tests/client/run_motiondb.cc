@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "tests/client/temporary_folder.h"
+#include "tests/support/project_paths.h"
 #include "tests/support/real_data.h"
 
 extern char** environ;
@@ -86,7 +87,7 @@ ProgramResult RunProgram(const std::vector<std::string>& command, const ProgramT
 
 ProgramResult RunMotiondb(const std::string& server, const std::vector<std::string>& arguments,
                           const ProgramTerminal& terminal) {
-  std::vector<std::string> command = {"env", "MOTIONDB_SERVER=" + server, MOTIONDB_CLI};
+  std::vector<std::string> command = {"env", "MOTIONDB_SERVER=" + server, MotiondbProgram()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return RunProgram(command, terminal);
 }

@@ -14,6 +14,7 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "tests/support/child_process.h"
+#include "tests/support/project_paths.h"
 #include "tests/support/stick_figure.h"
 #include "tests/support/temporary_directory.h"
 
@@ -24,8 +25,8 @@ namespace {
 class ServerProcess {
  public:
   explicit ServerProcess(const std::string& store)
-      : process_({MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error",
-                  "--rebuild-delay", "0.05", "--grace-seconds", "5"}) {
+      : process_({MotiondbdProgram(), "--store", store, "--listen", "127.0.0.1:0", "--log-level",
+                  "error", "--rebuild-delay", "0.05", "--grace-seconds", "5"}) {
     constexpr std::string_view kAnnouncement = "motiondbd: listening on ";
     const std::string line = process_.ReadLine();
     INFO(line);
@@ -171,20 +172,22 @@ TEST_CASE("ServerProcess: a running call ends before the server", "[e2e]") {
 
 TEST_CASE("ServerProcess: mistakes end it with a message and an exit code", "[e2e]") {
   TemporaryDirectory directory;
-  CHECK(ChildProcess({MOTIONDBD}).Wait() != 0);
-  CHECK(ChildProcess({MOTIONDBD, "--store", directory / "a.db", "--threads", "-3"}).Wait() != 0);
-  CHECK(ChildProcess({MOTIONDBD, "--store", directory / "none" + "/a.db"}).Wait() == 1);
-  ChildProcess version({MOTIONDBD, "--version"});
+  CHECK(ChildProcess({MotiondbdProgram()}).Wait() != 0);
+  CHECK(
+      ChildProcess({MotiondbdProgram(), "--store", directory / "a.db", "--threads", "-3"}).Wait() !=
+      0);
+  CHECK(ChildProcess({MotiondbdProgram(), "--store", directory / "none" + "/a.db"}).Wait() == 1);
+  ChildProcess version({MotiondbdProgram(), "--version"});
   CHECK(version.ReadLine().starts_with("motiondbd "));
   CHECK(version.Wait() == 0);
   ServerProcess server(directory / "store.db");
-  ChildProcess second({MOTIONDBD, "--store", directory / "other.db", "--listen", server.address(),
-                       "--log-level", "off"});
+  ChildProcess second({MotiondbdProgram(), "--store", directory / "other.db", "--listen",
+                       server.address(), "--log-level", "off"});
   CHECK(second.Wait() == 1);
   // It did not create or upgrade a store that it cannot serve.
   CHECK(!std::filesystem::exists(directory / "other.db"));
-  ChildProcess same_store({MOTIONDBD, "--store", directory / "store.db", "--listen", "127.0.0.1:0",
-                           "--log-level", "off"});
+  ChildProcess same_store({MotiondbdProgram(), "--store", directory / "store.db", "--listen",
+                           "127.0.0.1:0", "--log-level", "off"});
   CHECK(same_store.Wait() == 1);
 }
 

@@ -27,6 +27,7 @@
 #include "tests/soak/extreme_calls.h"
 #include "tests/soak/process_memory.h"
 #include "tests/support/child_process.h"
+#include "tests/support/project_paths.h"
 #include "tests/support/stick_figure.h"
 #include "tests/support/temporary_directory.h"
 
@@ -51,7 +52,7 @@ struct Options {
   int largest_kib = 4096;
   std::string store;
   std::string database = "extreme";
-  std::string server = MOTIONDBD;
+  std::string server = MotiondbdProgram();
   std::vector<std::string> server_options;
 };
 

@@ -21,6 +21,7 @@
 #include "tests/soak/good_clients.h"
 #include "tests/soak/process_statistics.h"
 #include "tests/support/child_process.h"
+#include "tests/support/project_paths.h"
 #include "tests/support/temporary_directory.h"
 
 namespace motiondb::tests {
@@ -45,8 +46,8 @@ constexpr double kSlackMb = 32;
 class Served {
  public:
   Served(const std::string& store, const std::string& log)
-      : process_({MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error",
-                  "--rebuild-delay", "0.3", "--grace-seconds", "10"},
+      : process_({MotiondbdProgram(), "--store", store, "--listen", "127.0.0.1:0", "--log-level",
+                  "error", "--rebuild-delay", "0.3", "--grace-seconds", "10"},
                  log) {
     constexpr std::string_view kAnnouncement = "motiondbd: listening on ";
     while (address_.empty()) {

@@ -4,11 +4,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/project_paths.h"
+
 namespace motiondb::tests {
 
 std::string OldStore(int version) {
   const std::string path =
-      std::string(MOTIONDB_OLD_STORES) + "/version" + std::to_string(version) + ".db.gz";
+      SourcePath("tests/storage/old_stores/version" + std::to_string(version) + ".db.gz");
   const gzFile file = gzopen(path.c_str(), "rb");
   INFO(path);
   REQUIRE(file != nullptr);

@@ -8,6 +8,7 @@
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
+#include "tests/support/project_paths.h"
 
 namespace motiondb::tests::access_command_test {
 namespace {
@@ -136,7 +137,8 @@ TEST_CASE("motiondb: reads its token from a file or a variable, never from a fla
   const TemporaryFolder folder;
   const std::string file = folder.Write("token", "from-a-file\n").string();
   const auto run = [&](std::vector<std::string> command) {
-    command.insert(command.end(), {"MOTIONDB_SERVER=" + server.address(), MOTIONDB_CLI, "list"});
+    command.insert(command.end(),
+                   {"MOTIONDB_SERVER=" + server.address(), MotiondbProgram(), "list"});
     return RunProgram(command);
   };
   CHECK(run({"env", "MOTIONDB_TOKEN=from-a-variable"}).exit_code == 0);

@@ -8,6 +8,7 @@
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
+#include "tests/support/project_paths.h"
 #include "tests/support/real_data.h"
 
 namespace motiondb::tests::command_line_test {
@@ -185,7 +186,7 @@ TEST_CASE("motiondb: fails if the answer cannot be written", "[client][cli]") {
   server.Answer("GetDatabase", WithStatistics(description));
   for (const char* json : {"", "--json"}) {
     const auto result = RunProgram({"sh", "-c",
-                                    std::string(MOTIONDB_CLI " describe walks --server ") +
+                                    MotiondbProgram() + " describe walks --server " +
                                         server.address() + " " + json + " > /dev/full"});
     CHECK(result.exit_code == 1);
     CHECK_THAT(result.err, StartsWith("motiondb: "));
@@ -230,7 +231,8 @@ TEST_CASE("motiondb delete: on a terminal, asks before deleting a database", "[c
 
 TEST_CASE("motiondb delete: the help states that scripts are not asked", "[client][cli]") {
   // The help wraps lines.
-  const auto help = RunProgram({"sh", "-c", MOTIONDB_CLI " delete --help | tr -s ' \n' ' '"});
+  const auto help =
+      RunProgram({"sh", "-c", MotiondbProgram() + " delete --help | tr -s ' \n' ' '"});
   CHECK_THAT(help.out, Contains("If standard input is not a terminal, as in a script, it never "
                                 "asks"));
 }

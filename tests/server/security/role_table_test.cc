@@ -16,6 +16,7 @@
 #include "motiondb/v1/query.pb.h"
 #include "server/rpc/call_identity.h"
 #include "server/translate/message_fields.h"
+#include "tests/support/project_paths.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_directory.h"
 
@@ -31,7 +32,7 @@ class Contract {
   Contract() {
     const TemporaryDirectory directory;
     const std::string file = directory / "contract";
-    const std::string proto = MOTIONDB_PROTO_DIR;
+    const std::string proto = SourcePath("proto");
     const std::string command = "protoc -I " + proto +
                                 " --include_imports --descriptor_set_out=" + file + " " + proto +
                                 "/motiondb/v1/*.proto";

@@ -10,6 +10,7 @@
 
 #include "server/settings/settings_reader.h"
 #include "tests/server/settings/settings_fixture.h"
+#include "tests/support/project_paths.h"
 #include "tests/support/temporary_directory.h"
 
 namespace motiondb::tests::settings_check_test {
@@ -201,10 +202,12 @@ TEST_CASE("Settings: the HTTP API needs its own address", "[settings]") {
   CHECK_THAT(problems("0.0.0.0:8", "none"), Catch::Contains("0.0.0.0:8 is reachable"));
 }
 
+std::string SampleFile() { return SourcePath("deploy/motiondbd.conf"); }
+
 // Returns the settings of the sample file, also those commented out. Each must have a comment
 // directly above.
 std::map<std::string, std::string> SampleSettings() {
-  std::ifstream file(MOTIONDBD_CONF);
+  std::ifstream file(SampleFile());
   REQUIRE(file);
   std::map<std::string, std::string> settings;
   std::string line;
@@ -214,7 +217,7 @@ std::map<std::string, std::string> SampleSettings() {
     if (line.starts_with("#")) line.erase(0, 1);
     if (line.empty() || !islower(line.front())) continue;
     std::vector<absl::Status> problems;
-    const auto parsed = server::ParseSettings(MOTIONDBD_CONF, line, problems);
+    const auto parsed = server::ParseSettings(SampleFile(), line, problems);
     INFO(line);
     CHECK(above.starts_with("# "));
     REQUIRE(problems.empty());
@@ -236,7 +239,7 @@ TEST_CASE("Settings: the sample has every setting, with its default", "[settings
   }
   CHECK(sample == settings);
   SettingsReader reader;
-  CHECK(ReadSettings(reader, {"--config", MOTIONDBD_CONF}).empty());
+  CHECK(ReadSettings(reader, {"--config", SampleFile()}).empty());
 }
 
 }  // namespace

@@ -164,7 +164,8 @@ core::UnknownModel GetUnknown(FieldReader& reader) {
   return model;
 }
 
-// Reads over a model of versions 4 and 5, which had other features.
+// Reads over a model of versions 4 and 5, which had other features: intercept, three weights, and
+// mean and deviation of a typical label and of each label.
 void SkipEarlierUnknown(FieldReader& reader) {
   constexpr std::size_t kMinLabelBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
   for (int i = 0; i < 6; ++i) reader.Get<double>();

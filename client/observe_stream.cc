@@ -13,7 +13,6 @@
 #include "client/call_failure.h"
 #include "client/connection.h"
 #include "client/reconnect.h"
-#include "client/sent_frames.h"
 
 namespace motiondb::client {
 namespace {

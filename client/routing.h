@@ -1,6 +1,7 @@
 // Which database a call is about, for proxies that send each database to one server.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -12,7 +13,18 @@ inline constexpr char kDatabaseKey[] = "motiondb-database";
 
 // Returns "walks" for "databases/walks" and the names in it. Empty for other names, and for ids
 // that no database has: metadata must be printable ASCII, and the server reports the wrong name.
-std::string DatabaseIdOf(std::string_view resource_name);
+inline std::string DatabaseIdOf(std::string_view resource_name) {
+  constexpr std::string_view kDatabases = "databases/";
+  constexpr std::size_t kMaxIdBytes = 63;
+  const auto is_id_character = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  if (!resource_name.starts_with(kDatabases)) return "";
+  resource_name.remove_prefix(kDatabases.size());
+  const std::string_view id = resource_name.substr(0, resource_name.find('/'));
+  const bool is_id = id.size() <= kMaxIdBytes && std::all_of(id.begin(), id.end(), is_id_character);
+  return is_id ? std::string(id) : "";
+}
 
 // Returns the id of the database that a request names in its first field, or in the name of its
 // object; empty if it names none.

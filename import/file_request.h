@@ -8,10 +8,27 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
-#include "import/input_bytes.h"
 #include "import/sandbox.h"
 
 namespace motiondb::importer {
+
+// Bytes of a file, mapped into memory.
+class InputBytes {
+ public:
+  // NOT_FOUND, or INVALID_ARGUMENT for a folder or a file above `max_bytes`.
+  static absl::StatusOr<InputBytes> Open(const std::string& path, std::size_t max_bytes);
+
+  InputBytes() = default;
+  InputBytes(InputBytes&& other) noexcept;
+  InputBytes& operator=(InputBytes&& other) noexcept;
+  ~InputBytes();
+
+  std::string_view bytes() const { return {data_, size_}; }
+
+ private:
+  const char* data_ = nullptr;
+  std::size_t size_ = 0;
+};
 
 struct FileRequest {
   std::string file;           // path

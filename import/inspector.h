@@ -1,4 +1,4 @@
-// Answers requests to inspect files, each in a child process.
+// Answers requests to inspect files, each in a child process, as JSON.
 #pragma once
 
 #include <cstdio>
@@ -7,10 +7,24 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/inspection/inspection.h"
 #include "import/child.h"
 #include "import/file_request.h"
 
 namespace motiondb::importer {
+
+// Returns the result, or the error, as a JSON object in one line.
+std::string InspectionJson(const absl::StatusOr<core::Inspection>& inspection);
+
+// Returns a JSON array of all formats: name, extensions, description, skeleton (extension of its
+// skeleton file), has_takes, is_written.
+std::string FormatsJson();
+
+// Returns the answer to the request with this index, from 0: index, file and `result`, a JSON
+// object from a child process. A result that is no JSON object in one line becomes an error: a
+// child may be in the hands of its file.
+std::string AnswerLine(int index, const std::string& file, const std::string& result);
 
 struct InspectorOptions {
   int jobs = 2;  // files at the same time

@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "core/format/text_scanner.h"
-#include "import/inspection_json.h"
 #include "import/inspector.h"
 #include "import/single_file.h"
 

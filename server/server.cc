@@ -21,10 +21,10 @@
 #include "server/http2/connection.h"
 #include "server/listen/listener.h"
 #include "server/rpc/call_identity.h"
-#include "server/rpc/idle_timer.h"
 #include "server/rpc/other_servers.h"
+#include "server/rpc/parking.h"
 #include "server/rpc/services.h"
-#include "server/security/operator_file.h"
+#include "server/security/operator_files.h"
 #include "server/security/tls.h"
 #include "storage/mutex.h"
 

@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -16,12 +17,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 #include "storage/access_store.h"
 #include "storage/annotation_store.h"
 #include "storage/records.h"
-#include "storage/store_changes.h"
 #include "storage/store_maintenance.h"
 
 namespace motiondb::core {
@@ -62,6 +61,28 @@ struct ConnectionStatistics {
 
 // Returns ALREADY_EXISTS for a clip that is stored as `same`, by content or id.
 absl::Status SameClipError(const ClipRecord& same, const NewClip& clip);
+
+// Wakes a server soon after another server has changed the store that they share.
+struct StoreChange {
+  // The changed database. Empty: something else may have changed (tokens, operations, the list of
+  // databases), or notifications were lost.
+  std::string database;
+  std::int64_t revision = 0;  // of the database, after the change; 0: not known
+};
+
+// Runs on a thread of the store: it must return soon, and must not call the store or destroy the
+// watch. It must not throw.
+using OnStoreChange = std::function<void(const StoreChange&)>;
+
+// As long as it exists, changes are notified. The destructor waits for a running call. Must be
+// destroyed before the store.
+class StoreWatch {
+ public:
+  StoreWatch() = default;
+  virtual ~StoreWatch() = default;
+  StoreWatch(const StoreWatch&) = delete;
+  StoreWatch& operator=(const StoreWatch&) = delete;
+};
 
 class MotionStore {
  public:

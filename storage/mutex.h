@@ -8,7 +8,7 @@
 #include <shared_mutex>
 
 #include "absl/base/thread_annotations.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::storage {
 

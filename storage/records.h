@@ -13,8 +13,8 @@
 #include "core/format/motion_file.h"
 #include "core/model/build_settings.h"
 #include "core/model/label_tracks.h"
-#include "core/motion/cancellation.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/execution.h"
+#include "core/motion/motion.h"
 #include "core/motion/states.h"
 #include "storage/access_store.h"
 

@@ -14,7 +14,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_split.h"
 #include "client/cli/annotate/clip_edit.h"
-#include "client/cli/file_formats.h"
+#include "client/cli/motion_file.h"
 #include "client/tab_separated.h"
 
 namespace motiondb::client {

@@ -1,10 +1,9 @@
-// Databases, clips and server status as text for the terminal.
+// Databases and clips as text for the terminal.
 #pragma once
 
 #include <google/protobuf/timestamp.pb.h>
 #include <motiondb/messages.h>
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -51,15 +50,5 @@ std::string TimeText(const google::protobuf::Timestamp& time);
 
 // Returns the label, or "(no label)" if it is empty.
 std::string LabelOrPlaceholder(const std::string& label);
-
-// Returns the state of a server, which fits on one screen. `now_us`: microseconds since the Unix
-// epoch.
-std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t now_us);
-
-// Returns a duration in its two largest units: "12 s", "3 min 4 s", "5 h 0 min", "2 d 7 h".
-std::string DurationText(std::int64_t seconds);
-
-// Returns a size in its largest unit: "512 B", "1.5 MiB".
-std::string BytesText(std::int64_t bytes);
 
 }  // namespace motiondb::client

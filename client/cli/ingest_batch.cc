@@ -17,8 +17,9 @@
 #include "client/cli/database_text.h"
 #include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/server_text.h"
 #include "client/cli/terminal/print.h"
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {

@@ -1,14 +1,18 @@
-// Motion files on disk, their skeleton files, and the options that describe them.
+// Motion files on disk, their formats, their skeleton files, and the options that describe them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
 
+namespace CLI {
+class App;
+}  // namespace CLI
+
 namespace motiondb::v1 {
+enum FileFormat : int;
 class Observation;
 class SourceConventions;
 }  // namespace motiondb::v1
@@ -54,5 +58,27 @@ absl::StatusOr<std::string> ReadTextFile(const std::filesystem::path& path);
 // Returns an observation with the contents of the file and of its skeleton file.
 absl::StatusOr<v1::Observation> ObservationFromFile(const std::filesystem::path& file,
                                                     const SourceOptions& options);
+
+// Formats of motion files, by their extensions. motiondb-import knows all about them.
+
+// Returns the extension in lower case, without a ".gz" after it: ".bvh" of "walk.BVH.gz". Also of
+// skeleton files.
+std::string MotionExtension(const std::filesystem::path& file);
+
+// Whether a file has the extension of a motion file.
+bool IsMotionFile(const std::filesystem::path& file);
+
+// ".bvh, .amc, ...": all extensions.
+std::string MotionExtensions();
+
+// Returns the format that is written with a name or extension: "bvh", ".glb". INVALID_ARGUMENT
+// lists the known ones.
+absl::StatusOr<v1::FileFormat> WrittenFormat(const std::string& name);
+
+// Its name in requests of motiondb-import: "gltf".
+std::string NameOfFormat(v1::FileFormat format);
+
+// Names for `--as`: "bvh|trc|...".
+std::string WrittenFormatNames();
 
 }  // namespace motiondb::client

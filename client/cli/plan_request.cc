@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "client/cli/command.h"
-#include "client/cli/file_formats.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/query/query_options.h"
 #include "client/cli/resource_name.h"

@@ -6,7 +6,7 @@
 
 #include "client/call_failure.h"
 #include "client/cli/terminal/print.h"
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 
 namespace motiondb::client {
 

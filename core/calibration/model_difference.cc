@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/calibration/held_out.h"
+#include "core/calibration/calibrate.h"
 #include "core/model/clip_mask.h"
-#include "core/model/even_spread.h"
 #include "core/model/label_units.h"
+#include "core/motion/samples.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/window_alignment.h"
 

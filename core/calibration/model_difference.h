@@ -1,7 +1,7 @@
 // Measures the difference between an extended model and a model built from the same clips.
 #pragma once
 
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::core {
 

@@ -4,11 +4,10 @@
 #include <optional>
 #include <utility>
 
-#include "core/calibration/held_out.h"
-#include "core/calibration/trials.h"
-#include "core/model/even_spread.h"
+#include "core/calibration/calibrate.h"
 #include "core/model/label_units.h"
 #include "core/motion/error.h"
+#include "core/motion/samples.h"
 #include "core/motion/states.h"
 #include "core/prediction/forecast.h"
 #include "core/prediction/predict.h"

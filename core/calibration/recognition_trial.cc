@@ -5,15 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/calibration/evidence_weight.h"
-#include "core/calibration/held_out.h"
-#include "core/calibration/trials.h"
-#include "core/calibration/unknown_fit.h"
+#include "core/calibration/calibrate.h"
+#include "core/calibration/recognition_fit.h"
 #include "core/model/clip_mask.h"
-#include "core/model/even_spread.h"
 #include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
+#include "core/motion/samples.h"
 #include "core/motion/states.h"
 #include "core/recognition/beginning_alignment.h"
 #include "core/recognition/metric_observation.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/export/frame_text.h"
+#include "core/export/file_bytes.h"
 #include "core/export/writers.h"
 #include "core/format/conventions.h"
 #include "core/format/text_scanner.h"

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/export/little_endian.h"
+#include "core/export/file_bytes.h"
 #include "core/export/writers.h"
 #include "core/format/c3d_file.h"
 #include "core/format/text_scanner.h"

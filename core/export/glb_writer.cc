@@ -11,9 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/export/bone_mesh.h"
-#include "core/export/glb_chunks.h"
-#include "core/export/little_endian.h"
+#include "core/export/file_bytes.h"
+#include "core/export/glb_parts.h"
 #include "core/export/writers.h"
 #include "core/format/conventions.h"
 #include "core/format/text_scanner.h"

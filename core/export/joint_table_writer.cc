@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/export/frame_text.h"
+#include "core/export/file_bytes.h"
 #include "core/export/writers.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"

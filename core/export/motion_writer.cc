@@ -17,7 +17,7 @@
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core {

@@ -11,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
 
 namespace motiondb::core {
 

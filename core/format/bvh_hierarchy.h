@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/text_scanner.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
 
 namespace motiondb::core {
 

@@ -4,7 +4,6 @@
 
 #include "core/format/bvh_hierarchy.h"
 #include "core/format/conventions.h"
-#include "core/format/deduced_conventions.h"
 #include "core/format/readers.h"
 #include "core/motion/forward_kinematics.h"
 

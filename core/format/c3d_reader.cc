@@ -5,7 +5,6 @@
 
 #include "core/format/c3d_file.h"
 #include "core/format/conventions.h"
-#include "core/format/deduced_conventions.h"
 #include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 

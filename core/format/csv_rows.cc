@@ -9,7 +9,7 @@
 
 #include "core/format/conventions.h"
 #include "core/format/text_scanner.h"
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

@@ -1,5 +1,3 @@
-#include "core/format/deduced_conventions.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +9,7 @@
 #include "core/format/conventions.h"
 #include "core/mapping/figure.h"
 #include "core/motion/marker_set.h"
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

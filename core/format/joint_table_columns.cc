@@ -1,11 +1,10 @@
-#include "core/format/joint_table_columns.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <unordered_map>
 #include <utility>
 
 #include "core/format/conventions.h"
+#include "core/format/joint_table.h"
 #include "core/format/text_scanner.h"
 #include "core/format/urdf_file.h"
 #include "core/motion/error.h"

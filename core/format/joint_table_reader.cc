@@ -1,5 +1,3 @@
-#include "core/format/joint_table_reader.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -12,8 +10,8 @@
 
 #include "core/format/conventions.h"
 #include "core/format/gunzip.h"
-#include "core/format/joint_table_columns.h"
-#include "core/format/joint_table_units.h"
+#include "core/format/joint_table.h"
+#include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 #include "core/format/urdf_reader.h"
 #include "core/motion/error.h"

@@ -1,5 +1,3 @@
-#include "core/format/joint_table_units.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -10,8 +8,9 @@
 #include <vector>
 
 #include "core/format/conventions.h"
+#include "core/format/joint_table.h"
 #include "core/motion/forward_kinematics.h"
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

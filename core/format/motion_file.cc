@@ -5,7 +5,6 @@
 
 #include "core/format/conventions.h"
 #include "core/format/gunzip.h"
-#include "core/format/joint_table_reader.h"
 #include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"

@@ -10,7 +10,7 @@
 
 #include "core/format/conventions.h"
 #include "core/motion/error.h"
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

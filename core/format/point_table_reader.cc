@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/format/conventions.h"
-#include "core/format/joint_table_reader.h"
+#include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
 

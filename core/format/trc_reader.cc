@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/format/conventions.h"
-#include "core/format/deduced_conventions.h"
 #include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 

@@ -10,8 +10,6 @@
 #include "core/format/motion_file.h"
 #include "core/format/text_scanner.h"
 #include "core/format/urdf_elements.h"
-#include "core/format/urdf_materials.h"
-#include "core/format/urdf_visuals.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

@@ -10,8 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
 #include "core/format/urdf_elements.h"
-#include "core/motion/link_visual.h"
-#include "core/motion/robot_dynamics.h"
+#include "core/motion/robot.h"
 
 namespace motiondb::core {
 

@@ -6,9 +6,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
-#include "core/motion/link_visual.h"
-#include "core/motion/robot_dynamics.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
+#include "core/motion/robot.h"
 
 namespace motiondb::core {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::core {
 namespace {

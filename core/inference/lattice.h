@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/graph/transition_graph.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::core {
 

@@ -7,8 +7,8 @@
 
 #include "core/model/clip_mask.h"
 #include "core/model/model.h"
-#include "core/motion/cancellation.h"
 #include "core/motion/error.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::core {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/lattice.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
 
 namespace motiondb::core {

@@ -1,23 +1,147 @@
 #include "core/inspection/inspection.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/format/marker_set_file.h"
+#include "core/format/marker_set_tokens.h"
 #include "core/format/plausibility.h"
-#include "core/inspection/body_measures.h"
-#include "core/inspection/draft_mapping.h"
 #include "core/mapping/figure.h"
 #include "core/mapping/fit_scheme.h"
-#include "core/mapping/found_roles.h"
 #include "core/motion/error.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
+#include "core/motion/samples.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core {
+namespace {
+
+using Position = Eigen::Vector3d;
+
+class Positions {
+ public:
+  explicit Positions(const MarkerMotion& motion) : motion_(motion) {}
+
+  Position At(Eigen::Index frame, std::string_view marker) const {
+    const auto found = std::ranges::find(motion_.names, marker) - motion_.names.begin();
+    return motion_.positions_m.row(frame).segment<3>(3 * found).transpose().cast<double>();
+  }
+
+  // Median distance of two markers.
+  std::optional<double> Distance(std::string_view a, std::string_view b) const {
+    std::vector<double> distances;
+    for (Eigen::Index t = 0; t < motion_.positions_m.rows(); ++t) {
+      const double distance = (At(t, a) - At(t, b)).norm();
+      if (std::isfinite(distance)) distances.push_back(distance);
+    }
+    if (distances.empty()) return std::nullopt;
+    return Quantile(distances, 0.5);
+  }
+
+ private:
+  const MarkerMotion& motion_;
+};
+
+// Adds the horizontal speeds of a marker in the frames in which it is near the floor.
+void AddSpeedsOnFloor(const MarkerMotion& motion, std::string_view marker, double leg_length_m,
+                      std::vector<double>& speeds) {
+  constexpr double kNear = 0.02;       // above its lowest height, in leg lengths
+  constexpr double kLowest = 0.05;     // fraction of frames
+  constexpr double kMinSeconds = 0.1;  // on the floor
+  const Positions positions(motion);
+  const auto frames = static_cast<int>(motion.positions_m.rows());
+  std::vector<double> heights;
+  for (int t = 0; t < frames; ++t) {
+    const double height = positions.At(t, marker).z();
+    if (std::isfinite(height)) heights.push_back(height);
+  }
+  if (heights.empty()) return;
+  const double limit = Quantile(heights, kLowest) + kNear * leg_length_m;
+  const auto is_low = [&](int t) { return positions.At(t, marker).z() <= limit; };
+  const int min_frames = std::max(2, static_cast<int>(kMinSeconds * motion.frame_rate_hz));
+  for (int first = 0; first < frames;) {
+    int end = first;
+    while (end < frames && is_low(end)) ++end;
+    for (int t = first + 1; end - first >= min_frames && t < end; ++t) {
+      const Position step = positions.At(t, marker) - positions.At(t - 1, marker);
+      speeds.push_back(step.head<2>().norm() * motion.frame_rate_hz);
+    }
+    first = end + 1;
+  }
+}
+
+}  // namespace
+
+std::optional<double> Stature(const MarkerMotion& motion, double leg_length_m) {
+  constexpr double kAnkleHeight = 0.039;  // of the stature: Winter, after Drillis and Contini
+  const Positions positions(motion);
+  double length = leg_length_m;
+  constexpr const char* kLine[] = {"Pelvis", "Waist", "Spine", "Neck", "Head", "HeadTop"};
+  for (std::size_t i = 1; i < std::size(kLine); ++i) {
+    const auto segment = positions.Distance(kLine[i - 1], kLine[i]);
+    if (!segment) return std::nullopt;
+    length += *segment;
+  }
+  return length / (1 - kAnkleHeight);
+}
+
+std::optional<double> FootSlide(const MarkerMotion& motion, double leg_length_m) {
+  std::vector<double> speeds;
+  for (const char* const marker : {"LHeel", "RHeel", "LToe", "RToe"}) {
+    AddSpeedsOnFloor(motion, marker, leg_length_m, speeds);
+  }
+  if (speeds.empty()) return std::nullopt;
+  return Quantile(speeds, 0.5);
+}
+
+namespace {
+
+// The marker of standard34 that is at a role, without its side.
+struct MarkerOfRole {
+  const char* marker;
+  Role role;
+  bool has_sides;
+};
+constexpr MarkerOfRole kMarkers[] = {
+    {"Hip", Role::kHip, true},          {"Knee", Role::kKnee, true},
+    {"Ankle", Role::kAnkle, true},      {"Toe", Role::kToe, true},
+    {"Waist", Role::kSpine, false},     {"Spine", Role::kSpine, false},
+    {"Neck", Role::kNeck, false},       {"Head", Role::kHead, false},
+    {"HeadTop", Role::kHeadTop, false}, {"Shoulder", Role::kShoulder, true},
+    {"Elbow", Role::kElbow, true},      {"Wrist", Role::kWrist, true},
+    {"Hand", Role::kHand, true}};
+
+}  // namespace
+
+std::string DraftMapping(const MarkerSet& set, const PointCloud& points, const std::string& name) {
+  const Figure figure = FindFigure(points);
+  std::string text =
+      fmt::format("# A draft: complete the rules of all markers of {}.\nmapping {}\n", set.name,
+                  QuotedName(name));
+  for (const auto& [marker, role, has_sides] : kMarkers) {
+    for (const Side side : {Side::kLeft, Side::kRight}) {
+      if (!has_sides && side == Side::kRight) continue;
+      const char* const letter = !has_sides ? "" : side == Side::kLeft ? "L" : "R";
+      RolePoint point = figure.at(role, side);
+      if (role == Role::kSpine && !figure.spine.empty()) {
+        const std::size_t at = std::string_view(marker) == "Waist" ? 0 : figure.spine.size() / 2;
+        point = {figure.spine[at], 1};
+      }
+      text += point.is_found()
+                  ? fmt::format("{}{} = {}  # confidence {:.2f}\n", letter, marker,
+                                QuotedName(figure.names[point.index]), point.confidence)
+                  : fmt::format("# {}{} = ?\n", letter, marker);
+    }
+  }
+  return text;
+}
+
 namespace {
 
 constexpr double kUsualRate_hz = 60;  // of a new database

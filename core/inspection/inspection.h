@@ -9,6 +9,9 @@
 #include <vector>
 
 #include "core/format/motion_file.h"
+#include "core/mapping/figure.h"
+#include "core/motion/marker_set.h"
+#include "core/motion/motion.h"
 
 namespace motiondb::core {
 
@@ -47,5 +50,22 @@ struct Inspection {
 // are in the result. `file_name` names the mapping.
 Inspection InspectMotion(std::string_view file_name, const MotionFile& file,
                          std::optional<double> leg_length_m);
+
+// The parts of InspectMotion.
+
+// Returns the stature (m): median length of the segments from ankle to top of the head, and the
+// height of the ankle. Nothing if a marker is missing in all frames. REQUIRES: `motion` has the
+// markers of standard34.
+std::optional<double> Stature(const MarkerMotion& motion, double leg_length_m);
+
+// Returns the median horizontal speed (m/s) of the heels and toes while they are near the floor,
+// which is where they are lowest. Nothing if no foot is near the floor for long enough. 0.1 and
+// more is visible sliding. REQUIRES: as above.
+std::optional<double> FootSlide(const MarkerMotion& motion, double leg_length_m);
+
+// Returns a mapping with this name in the marker-set file's format to complete by hand: rules for
+// the markers whose roles were found, with their confidences, and comments for the others. Markers
+// with a default rule are left out.
+std::string DraftMapping(const MarkerSet& set, const PointCloud& points, const std::string& name);
 
 }  // namespace motiondb::core

@@ -7,7 +7,7 @@
 #include "core/mapping/figure.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
 
 namespace motiondb::core {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "core/motion/robot_dynamics.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
+#include "core/motion/robot.h"
 
 namespace motiondb::core {
 

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/kinematics/marker_kinematics.h"
 #include "core/kinematics/pose_solver.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/motion.h"
 
 namespace motiondb::core {

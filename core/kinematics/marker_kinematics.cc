@@ -9,7 +9,7 @@
 
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core {

@@ -13,7 +13,6 @@
 #include "absl/status/statusor.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/motion.h"
-#include "core/motion/skeleton.h"
 
 namespace motiondb::core {
 

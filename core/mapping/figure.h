@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,5 +67,15 @@ Figure FindFigure(const PointCloud& points);
 
 // Lowest confidence at which a role counts as found.
 inline constexpr double kMinRoleConfidence = 0.5;
+
+// The two searches of FindFigure, before sides are checked.
+
+// Finds legs, arms, trunk and head in a hierarchy by names and bones. Limbs without names of sides
+// are in any order. Nothing if no two pairs of limbs are like legs and arms.
+std::optional<Figure> FindInHierarchy(const PointCloud& points,
+                                      const std::vector<NameMeaning>& meanings);
+
+// Finds points by their names alone.
+Figure FindByNames(const PointCloud& points, const std::vector<NameMeaning>& meanings);
 
 }  // namespace motiondb::core

@@ -5,9 +5,9 @@
 #include <map>
 
 #include "core/mapping/point_sum.h"
-#include "core/motion/derived_markers.h"
+#include "core/motion/corrections.h"
 #include "core/motion/error.h"
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

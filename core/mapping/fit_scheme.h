@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/mapping/figure.h"
@@ -33,5 +34,15 @@ enum class FitFor { kClip, kQuery };
 // each of 24 frames.
 absl::StatusOr<MarkerScheme> FitScheme(const MarkerScheme& scheme, const Motion& motion,
                                        FitFor purpose, std::string* note = nullptr);
+
+// A point of the body that was found in a motion, for people who look at a file.
+struct FoundRole {
+  int point = -1;    // joint or marker
+  std::string role;  // "left knee", or the anatomical landmark of an optical marker
+  double confidence = 0;
+};
+
+// Returns the roles that MapAutomatically uses, also uncertain ones.
+std::vector<FoundRole> FindRoles(const PointCloud& points);
 
 }  // namespace motiondb::core

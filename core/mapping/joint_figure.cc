@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "core/mapping/figure_search.h"
+#include "core/mapping/figure.h"
 #include "core/mapping/limbs.h"
 
 namespace motiondb::core {

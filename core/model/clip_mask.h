@@ -11,8 +11,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/graph/transition_graph.h"
-#include "core/model/clip_index.h"
 #include "core/model/label_units.h"
+#include "core/model/metric_frames.h"
 #include "core/model/model.h"
 
 namespace motiondb::core {

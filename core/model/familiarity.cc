@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-#include "core/model/even_spread.h"
+#include "core/motion/samples.h"
 #include "core/tree/row_kernels.h"
 
 namespace motiondb::core {

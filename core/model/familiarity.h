@@ -4,11 +4,10 @@
 
 #include <vector>
 
-#include "core/graph/generation.h"
 #include "core/graph/transition_graph.h"
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
 #include "core/tree/node_gaussians.h"
-#include "core/tree/parallel.h"
 #include "core/tree/tree.h"
 
 namespace motiondb::core {

@@ -1,13 +1,16 @@
-// Stored frames for recognition: every stride-th frame of each clip (about 30 Hz), in the metric.
-// Derived from a model's states; immutable.
+// Stored clips in the metric of recognition: every stride-th frame of each clip (about 30 Hz), and
+// an index from nodes to the clips with frames in them, to find clips similar to an observation
+// without comparing all clips. Derived from a model; immutable.
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "core/model/shared_rows.h"
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
+#include "core/tree/node_gaussians.h"
 
 namespace motiondb::core {
 
@@ -48,5 +51,33 @@ FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatr
 // memory proportional to the frames.
 MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
                            const ParallelFor& parallel);
+
+// Index from nodes to the clips with frames in them.
+class ClipIndex {
+ public:
+  ClipIndex() = default;
+  // Returns an empty index if the model has no metric.
+  static ClipIndex Of(const ModelParts& parts);
+
+  int node_count() const { return static_cast<int>(means_.rows()); }
+  // Means of the indexed nodes in the metric, nodes x K, and their squared norms.
+  const FrameMatrix& means() const { return means_; }
+  const Eigen::VectorXf& squared_norms() const { return squared_norms_; }
+  // Returns the means in another metric, nodes x K. `gaussians`: node statistics of the model.
+  FrameMatrix MeansIn(const MotionMetric& metric, const NodeGaussians& gaussians) const;
+  // Returns the index of the nodes that contain frames of the clips with `allowed[clip]`. O(index).
+  ClipIndex Restricted(const std::vector<bool>& allowed) const;
+  // Clips with frames in a node, ascending.
+  std::span<const int> clips(int node) const {
+    return std::span(clips_).subspan(begin_[node], begin_[node + 1] - begin_[node]);
+  }
+
+ private:
+  std::vector<int> branches_;  // [node], index into the branches of the tree
+  FrameMatrix means_;
+  Eigen::VectorXf squared_norms_;
+  std::vector<int> begin_;  // node n has clips_[begin_[n]] to clips_[begin_[n + 1] - 1]
+  std::vector<int> clips_;
+};
 
 }  // namespace motiondb::core

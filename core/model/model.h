@@ -9,21 +9,19 @@
 
 #include "absl/status/statusor.h"
 #include "core/graph/transition_graph.h"
+#include "core/model/answer_calibration.h"
 #include "core/model/build_settings.h"
-#include "core/model/clip_index.h"
 #include "core/model/familiarity.h"
 #include "core/model/label_tracks.h"
+#include "core/model/marker_distances.h"
 #include "core/model/metric_frames.h"
 #include "core/model/motion_metric.h"
 #include "core/model/motion_prior.h"
-#include "core/model/prediction_confidence.h"
-#include "core/model/recognition_calibration.h"
-#include "core/model/rigid_tree.h"
 #include "core/model/shared_rows.h"
+#include "core/motion/execution.h"
 #include "core/motion/states.h"
 #include "core/tree/feature_scale.h"
 #include "core/tree/node_gaussians.h"
-#include "core/tree/parallel.h"
 #include "core/tree/tree.h"
 
 namespace motiondb::core {
@@ -56,7 +54,7 @@ struct ModelParts {
   BuildSettings settings;
   MarkerSet marker_set;
   std::vector<ModelClip> clips;  // in frame order, without gaps
-  // Number of clips in the build; the rest were added by extensions (core/model/extend_model.h).
+  // Number of clips in the build; the rest were added by extensions (core/model/model_builder.h).
   // -1: all.
   std::int32_t built_clip_count = -1;
   SharedRows states;   // frames x 6 N_v, scaled

@@ -8,11 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "core/model/even_spread.h"
-#include "core/model/frame_pairs.h"
 #include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
 #include "core/model/model.h"
+#include "core/motion/samples.h"
 #include "core/tree/row_kernels.h"
 
 namespace motiondb::core {

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
 
 namespace motiondb::core {
 
@@ -30,12 +30,12 @@ struct MotionMetric {
 
 // Fits the metric to every stride-th frame (core/model/metric_frames.h), at most 65,536, evenly
 // spread. W is the mean of d d^T / 2 over the differences d between corresponding frames of units
-// (label_units.h) of one label of kActionTrack (frame_pairs.h); beyond 65,536 differences, every
-// second pair and then fewer units are used. If no label has two units, d are differences between
-// successive frames. Units are aligned in the 48 directions with the largest variance. With T the
-// covariance of all frames and S = 0.8 W + 0.2 (tr W / D) I = V diag(w) V^T: whitening = V
-// diag(w)^-1/2, projection = whitening U with U the first eigenvectors of whitening^T T whitening.
-// The result does not depend on the number of threads.
+// (label_units.h) of one label of kActionTrack; beyond 65,536 differences, every second pair and
+// then fewer units are used. If no label has two units, d are differences between successive
+// frames. Units are aligned in the 48 directions with the largest variance. With T the covariance
+// of all frames and S = 0.8 W + 0.2 (tr W / D) I = V diag(w) V^T: whitening = V diag(w)^-1/2,
+// projection = whitening U with U the first eigenvectors of whitening^T T whitening. The result
+// does not depend on the number of threads.
 MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& parallel);
 
 }  // namespace motiondb::core

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "core/model/even_spread.h"
 #include "core/model/model.h"
 #include "core/motion/mirror.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/model/pose_history.h"
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::core {
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <utility>
 
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
 #include "core/tree/feature_scale.h"
-#include "core/tree/parallel.h"
 
 namespace motiondb::core {
 

@@ -8,7 +8,6 @@
 
 #include "core/motion/matrix.h"
 #include "core/motion/motion.h"
-#include "core/motion/skeleton.h"
 
 namespace motiondb::core {
 

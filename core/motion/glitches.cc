@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "core/motion/marker_path.h"
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

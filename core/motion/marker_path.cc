@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 

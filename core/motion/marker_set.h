@@ -2,15 +2,17 @@
 // every motion; and mappings from one kind of skeleton or real marker set to these points.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/motion.h"
 
 namespace motiondb::core {
@@ -86,5 +88,28 @@ absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motio
 inline constexpr std::size_t kMaxMarkers = 256;  // seven times the standard set; faces have fewer
 inline constexpr std::size_t kMaxMappings = 200;
 inline constexpr std::size_t kMaxRulePoints = 32;  // points of one virtual marker
+
+// A MarkerRule with indices instead of names.
+struct BoundRule {
+  std::vector<std::pair<int, double>> points;  // joint or source marker, and its weight
+  int offset_joint = -1;                       // -1: no offset
+  Eigen::Vector3d offset;                      // in that joint's frame, in leg lengths
+};
+
+// A mapping bound to one skeleton or marker list.
+struct BoundMapping {
+  std::string name;
+  std::vector<BoundRule> rules;  // one for each marker of the set
+  bool has_offsets = false;
+};
+
+// Returns the mapping with the largest signature among those that fit `names`, bound to them; the
+// mapping "own names", which is not in the scheme, if the points have the names of the markers.
+// INVALID_ARGUMENT if none fits (the message names what the closest mapping lacks) or if a rule
+// uses an unknown name.
+absl::StatusOr<BoundMapping> BindMapping(const MarkerScheme& scheme,
+                                         const std::vector<std::string>& names);
+
+std::vector<std::string> JointNames(const Skeleton& skeleton);
 
 }  // namespace motiondb::core

@@ -4,14 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/motion/derived_markers.h"
+#include "core/motion/corrections.h"
 #include "core/motion/error.h"
-#include "core/motion/floor_level.h"
-#include "core/motion/floor_origin.h"
 #include "core/motion/frame_state.h"
-#include "core/motion/marker_rules.h"
-#include "core/motion/quantile.h"
-#include "core/motion/reference_pose.h"
+#include "core/motion/marker_set.h"
+#include "core/motion/motion_floor.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/glitches.h"
 #include "core/motion/marker_set.h"
 
@@ -100,7 +100,7 @@ struct SourcePart {
 
 // Converts a motion to states. Without `leg_length_m`, the size of joints is measured on their
 // bones with all rotations zero, and that of markers is estimated. Steps: ApplyScheme, glitches,
-// gaps, MoveToFloor (floor_level.h), Resample, ComputeStates. Appends to `notes`, if not null, the
+// gaps, MoveToFloor (motion_floor.h), Resample, ComputeStates. Appends to `notes`, if not null, the
 // glitches and gaps that were found, and sets `part`, if not null. CANCELLED soon after `cancelled`
 // returns true.
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,

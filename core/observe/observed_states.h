@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/marker_rules.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/matrix.h"
 #include "core/motion/states.h"

@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "core/inference/lattice.h"
 #include "core/model/build_settings.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/matrix.h"
 #include "core/observe/node_filter.h"

@@ -12,7 +12,6 @@
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/clip_generation.h"
 #include "core/recognition/metric_observation.h"
-#include "core/recognition/noise_energy.h"
 #include "core/recognition/unknown.h"
 #include "core/recognition/window_alignment.h"
 

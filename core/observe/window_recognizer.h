@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/observe/metric_window.h"
 #include "core/observe/observed_states.h"
 #include "core/recognition/recognize.h"

@@ -6,6 +6,7 @@
 // feet's motion is transferred to their soles, which stand on z = 0.
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -14,9 +15,12 @@
 #include "core/kinematics/marker_kinematics.h"
 #include "core/motion/marker_set.h"
 #include "core/planning/contacts.h"
-#include "core/planning/foot_lock.h"
 
 namespace motiondb::core {
+
+// The markers of one foot (3 x foot_markers, in order) when standing flat: origin on the floor
+// below the middle of its contact markers, x from the rear one to the front one, z up.
+using FootShape = Eigen::Matrix3Xd;
 
 class Body {
  public:

@@ -6,9 +6,8 @@
 #include <numeric>
 #include <optional>
 
-#include "core/model/even_spread.h"
 #include "core/model/model.h"
-#include "core/motion/quantile.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {
@@ -177,7 +176,7 @@ Feet FeetIn(const MarkerSet& set, const Sample& sample) {
 
 using Flags = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
-// Inverts runs of `value` shorter than `shortest` frames. HasClearance runs at the ends of the
+// Inverts runs of `value` shorter than `shortest` frames. Keeps runs at the ends of the
 // motion, which may be longer.
 void DropShortRuns(bool value, Eigen::Index shortest, Flags& runs) {
   Eigen::Index begin = 0;

@@ -1,12 +1,9 @@
-// HasClearance standing feet in place (section VI-E: "the feet occasionally slip and penetrate the
+// Keeps standing feet in place (section VI-E: "the feet occasionally slip and penetrate the
 // floor").
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
-#include <vector>
 
-#include "core/kinematics/marker_kinematics.h"
 #include "core/motion/matrix.h"
 #include "core/planning/contacts.h"
 
@@ -33,25 +30,5 @@ using FloorShift = Eigen::Array<double, Eigen::Dynamic, 2>;
 // acceleration. O(frames).
 FloorShift FootShift(const Foot& foot, const ContactMatrix& contacts, double frame_rate_hz,
                      double leg_length_m, const FrameMatrix& positions_m);
-
-// The markers of one foot (3 x foot_markers, in order) when standing flat: origin on the floor
-// below the middle of its contact markers, x from the rear one to the front one, z up.
-using FootShape = Eigen::Matrix3Xd;
-
-// Returns the shapes of the stored feet, in leg lengths, from frames in which they stand flat.
-// Nothing if a foot has a single contact marker or never stands flat.
-std::optional<std::vector<FootShape>> StoredFootShapes(const Model& model, const Feet& feet);
-
-// Returns the shapes (m) of a skeleton's feet at zero angles, if it has flat soles (level contact
-// markers, as on robots); otherwise nothing.
-std::optional<std::vector<FootShape>> FlatSoles(const MarkerKinematics& kinematics,
-                                                const MarkerSet& set, const Feet& feet,
-                                                double leg_length_m);
-
-// Moves a body's soles to the stored feet (frames x 3 N_v, m): each foot keeps its direction, tilt
-// and support point, and the rest of the body is raised or lowered by the difference of the ankle
-// heights. `stored` in leg lengths, `soles` in m.
-void StandOnSoles(const Feet& feet, const std::vector<FootShape>& stored, double leg_length_m,
-                  const std::vector<FootShape>& soles, FrameMatrix& positions_m);
 
 }  // namespace motiondb::core

@@ -1,10 +1,20 @@
-// Quality of synthesised motion: sliding or sinking feet, and jerk.
+// Quality of planned motion: sliding or sinking feet, jerk, and how far it is from stored motion:
+// blending, the correction of its end, slowing and another body change stored frames.
 #pragma once
 
+#include <memory>
+
+#include "absl/status/status.h"
+#include "core/motion/execution.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/motion.h"
 #include "core/planning/contacts.h"
 
 namespace motiondb::core {
+
+class ClipMask;
+class Model;
+struct PlannedMotion;
 
 // Differences between frames grow with the frame rate if motion is rough: compare values of equal
 // frame rates only.
@@ -29,5 +39,11 @@ struct MotionQuality {
 MotionQuality MeasureQuality(const Feet& feet, const MarkerMotion& markers,
                              const ContactMatrix& contacts, double leg_length_m,
                              const JointMotion* joints);
+
+// Sets PlanQuality::unknown of a motion whose markers are complete. Recognizes windows of 0.4 s
+// every 0.1 s among the clips that `mask` allows (null: all). CANCELLED.
+absl::Status MeasureExtrapolation(const Model& model, const MarkerSet& set,
+                                  std::shared_ptr<const ClipMask> mask, double leg_length_m,
+                                  const Cancelled& cancelled, PlannedMotion& motion);
 
 }  // namespace motiondb::core

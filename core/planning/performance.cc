@@ -7,7 +7,7 @@
 #include "core/kinematics/marker_kinematics.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
-#include "core/planning/root_correction.h"
+#include "core/planning/goal.h"
 #include "core/planning/synthesis.h"
 #include "core/planning/time_stretch.h"
 

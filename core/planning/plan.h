@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/motion.h"
-#include "core/motion/robot_dynamics.h"
+#include "core/motion/robot.h"
 #include "core/motion/states.h"
 #include "core/planning/contacts.h"
 #include "core/planning/floor.h"
@@ -66,7 +66,7 @@ struct PlanProblem {
   // The skeleton's limits of speed and effort, and its masses; null: unknown.
   std::shared_ptr<const RobotDynamics> dynamics;
   double speed_limit_scale = 1;  // fraction of the limits of speed to use
-  // rad/s^2, or m/s^2 of a translation: of every coordinate of joint_path.h but the root's.
+  // rad/s^2, or m/s^2 of a translation: of every coordinate of PoseSteps but the root's.
   // Default: none. Requires a skeleton.
   std::optional<double> max_joint_acceleration;
   std::optional<double> frame_rate_hz;  // of the answer; none: the model's

@@ -8,11 +8,10 @@
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/body.h"
-#include "core/planning/extrapolation.h"
 #include "core/planning/goal.h"
+#include "core/planning/motion_quality.h"
 #include "core/planning/plan.h"
 #include "core/planning/random_sampling.h"
-#include "core/planning/root_correction.h"
 #include "core/planning/segment_search.h"
 #include "core/planning/synthesis.h"
 

@@ -9,7 +9,7 @@
 #include "core/kinematics/root_velocity.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
-#include "core/planning/root_correction.h"
+#include "core/planning/goal.h"
 #include "core/planning/seeded.h"
 #include "core/planning/synthesis.h"
 

@@ -57,7 +57,7 @@ class SegmentGraph {
   std::optional<RunJoin> BestJoin(int from, int to);
   // Returns the pose one second after the frame that a join enters.
   FloorPose Future(const RunJoin& join) const;
-  // HasClearance the best of the joins that lead to the same pose.
+  // Keeps the best of the joins that lead to the same pose.
   std::vector<RunJoin> KeepDistinctFutures(std::vector<RunJoin> joins) const;
   double StateDistance(int a, int b) const;
   // half_window(), or less if a range has fewer frames around the join.

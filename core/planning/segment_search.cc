@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "core/planning/root_correction.h"
+#include "core/planning/goal.h"
 #include "core/planning/seeded.h"
 
 namespace motiondb::core {
@@ -320,7 +320,7 @@ class Search {
            IsClear(root.poses);
   }
 
-  // HasClearance one ending for each path: another end frame of the same runs is not another plan.
+  // Keeps one ending for each path: another end frame of the same runs is not another plan.
   void Keep(const Ending& ending) {
     const auto same = std::find_if(endings_.begin(), endings_.end(), [&](const Ending& other) {
       return LastJoinOf(other) == LastJoinOf(ending);

@@ -32,7 +32,7 @@ struct SlowedPart {
   double factor = 1;  // largest duration relative to the recorded one, above 1
 };
 
-// The time at each place of a uniform cubic B-spline (joint_path.h): at most the recorded speed,
+// The time at each place of a uniform cubic B-spline (JointPath): at most the recorded speed,
 // and as fast as the limits allow. The place has a continuous speed along the path, which changes
 // by the recorded speed in at least 0.2 s.
 //

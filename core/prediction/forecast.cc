@@ -10,8 +10,8 @@
 #include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/model/pose_history.h"
-#include "core/motion/cancellation.h"
 #include "core/motion/error.h"
+#include "core/motion/execution.h"
 #include "core/motion/mirror.h"
 
 namespace motiondb::core {

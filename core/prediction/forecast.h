@@ -10,9 +10,9 @@
 #include "core/inference/lattice.h"
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
+#include "core/model/answer_calibration.h"
 #include "core/model/motion_prior.h"
-#include "core/model/prediction_confidence.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
 #include "core/motion/states.h"
 

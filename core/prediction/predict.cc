@@ -12,7 +12,7 @@
 #include "core/model/clip_mask.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
-#include "core/motion/floor_origin.h"
+#include "core/motion/motion_floor.h"
 #include "core/motion/states.h"
 #include "core/prediction/forecast.h"
 #include "core/recognition/recognize.h"

@@ -9,7 +9,7 @@
 #include "core/model/model.h"
 #include "core/recognition/alignment_loops.h"
 #include "core/recognition/clip_alignment.h"
-#include "core/recognition/noise_energy.h"
+#include "core/recognition/metric_observation.h"
 #include "core/recognition/shortlist.h"
 #include "core/tree/row_kernels.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/model/metric_frames.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/recognition/clip_alignment.h"
 
 namespace motiondb::core {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/recognition/alignment_loops.h"
 
 namespace motiondb::core {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/model/metric_frames.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::core {
 

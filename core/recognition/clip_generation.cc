@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/graph/generation.h"
+#include "core/graph/transition_graph.h"
 #include "core/inference/lattice.h"
 #include "core/model/clip_graphs.h"
 #include "core/model/clip_mask.h"
 #include "core/model/label_units.h"
 #include "core/model/model.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::core {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/graph/generation.h"
+#include "core/graph/transition_graph.h"
 #include "core/motion/matrix.h"
 #include "core/recognition/recognize.h"
 #include "core/recognition/window_alignment.h"

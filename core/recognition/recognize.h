@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/observation.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core {

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "core/model/clip_mask.h"
-#include "core/model/even_spread.h"
-#include "core/model/frame_pairs.h"
+#include "core/model/label_units.h"
 #include "core/model/model.h"
+#include "core/motion/samples.h"
 
 namespace motiondb::core {
 namespace {

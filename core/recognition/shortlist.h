@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/model/clip_index.h"
+#include "core/model/metric_frames.h"
 #include "core/model/motion_metric.h"
 #include "core/motion/matrix.h"
 

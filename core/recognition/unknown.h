@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/recognition_calibration.h"
+#include "core/model/answer_calibration.h"
 #include "core/recognition/recognize.h"
 #include "core/recognition/window_alignment.h"
 

@@ -11,7 +11,7 @@
 #include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/recognition/clip_alignment.h"
-#include "core/recognition/noise_energy.h"
+#include "core/recognition/metric_observation.h"
 #include "core/recognition/shortlist.h"
 #include "core/tree/row_kernels.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/recognize.h"
 
@@ -24,7 +24,7 @@ struct UnitEvidence {
 struct WindowAlignment {
   std::vector<UnitEvidence> units;  // in descending order of evidence
   int frames = 0;                   // number of compared frames
-  double noise = 0;  // part of each frame's squared distances that is noise (noise_energy.h)
+  double noise = 0;  // part of each frame's squared distances that is noise (NoiseEnergy)
   // Similarity to the stored clips: negative logarithm of the mean, over frames and dimensions, of
   // the squared whitened difference from the nearest stored motion (NearestState).
   double familiarity_score = 0;

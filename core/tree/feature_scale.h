@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
 
 namespace motiondb::core {
 

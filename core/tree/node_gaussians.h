@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
 #include "core/tree/tree.h"
 
 namespace motiondb::core {

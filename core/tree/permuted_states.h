@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
 #include "core/tree/principal_axis.h"
 
 namespace motiondb::core {

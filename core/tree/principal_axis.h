@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
 
 namespace motiondb::core {
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
 #include "core/tree/permuted_states.h"
 #include "core/tree/tree.h"
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/format/conventions.h"
-#include "core/format/deduced_conventions.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"

@@ -7,14 +7,35 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/format/file_format.h"
 #include "core/format/motion_file.h"
-#include "import/scene/key_curves.h"
 
 namespace motiondb::importer {
+
+// How values change between keys.
+enum class KeyInterpolation { kLinear, kStep, kCubicSpline };
+
+// One component of a channel.
+struct KeyCurve {
+  KeyInterpolation interpolation = KeyInterpolation::kLinear;
+  // Of a cubic spline, for each key: the tangent before it, then the one after it, in the order of
+  // glTF (x, y, z, w) and per tick of the take.
+  std::vector<float> tangents = {};
+};
+
+struct ChannelCurves {
+  KeyCurve translation;
+  KeyCurve rotation;
+  KeyCurve scale;
+};
+
+// Of channels with a component that is not linear.
+using SceneCurves = std::unordered_map<const aiNodeAnim*, ChannelCurves>;
 
 // A scene in the file's axes. Its unit is the file's, but for Collada (see StatedConventions).
 struct SceneFile {
@@ -36,5 +57,10 @@ struct SceneFile {
 // message, the name of a file that the scene refers to, or a variant of the format that is not
 // read. Throws only std::bad_alloc.
 absl::StatusOr<SceneFile> LoadScene(core::FileFormat format, core::SourceFile file);
+
+// Returns a note if the takes of an FBX file, binary or text, have more than one layer each: assimp
+// 5.2 does not blend layers, but overwrites the keys of one with those of another, and gives no
+// sign of it. Takes and layers are counted in the bytes. O(bytes).
+std::optional<std::string> NoteOnFbxLayers(std::string_view bytes);
 
 }  // namespace motiondb::importer

@@ -9,15 +9,13 @@
 #include <vector>
 
 #include "core/format/conventions.h"
-#include "core/format/deduced_conventions.h"
 #include "core/motion/error.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
 #include "import/scene/scene_conventions.h"
 #include "import/scene/scene_file.h"
 #include "import/scene/scene_motion.h"
 #include "import/scene/scene_nodes.h"
 #include "import/scene/scene_skeleton.h"
-#include "import/scene/scene_takes.h"
 #include "import/scene/scene_timing.h"
 #include "import/scene/scene_tracks.h"
 

@@ -10,7 +10,6 @@
 
 #include "absl/status/statusor.h"
 #include "import/scene/scene_nodes.h"
-#include "import/scene/scene_takes.h"
 
 namespace motiondb::importer {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "import/scene/scene_takes.h"
+#include "import/scene/scene_nodes.h"
 #include "import/scene/scene_tracks.h"
 
 namespace motiondb::importer {

@@ -9,10 +9,9 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/file_format.h"
-#include "import/scene/key_curves.h"
+#include "import/scene/scene_file.h"
 #include "import/scene/scene_nodes.h"
 #include "import/scene/scene_skeleton.h"
-#include "import/scene/scene_takes.h"
 
 namespace motiondb::importer {
 

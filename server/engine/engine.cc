@@ -7,8 +7,8 @@
 
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
-#include "server/engine/audit_trail.h"
 #include "server/engine/build_lease.h"
+#include "server/engine/operator_log.h"
 #include "server/engine/work/clock.h"
 
 namespace motiondb::server {

@@ -15,13 +15,13 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/engine/annotation_rules.h"
-#include "server/engine/corruption_log.h"
+#include "server/engine/database_caches.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
 #include "server/engine/model_lifecycle.h"
-#include "server/engine/skeleton_cache.h"
+#include "server/engine/operator_log.h"
+#include "server/engine/request_checks.h"
 #include "server/engine/snapshot.h"
 #include "server/engine/work/operation_registry.h"
 #include "server/engine/work/options.h"

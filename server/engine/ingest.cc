@@ -10,7 +10,7 @@
 #include "core/format/marker_set_file.h"
 #include "core/format/plausibility.h"
 #include "core/motion/error.h"
-#include "server/engine/file_names.h"
+#include "server/engine/ingest_rules.h"
 #include "server/engine/representation.h"
 #include "server/engine/source_reader.h"
 #include "server/engine/work/clock.h"

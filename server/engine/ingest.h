@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
 #include "core/inspection/source_points.h"
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 #include "server/engine/live_database.h"
 #include "server/engine/representation.h"
 #include "storage/motion_store.h"

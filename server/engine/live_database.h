@@ -13,10 +13,10 @@
 
 #include "absl/status/statusor.h"
 #include "core/model/build_settings.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "core/motion/marker_set.h"
 #include "server/engine/change_signal.h"
-#include "server/engine/database_catalog.h"
+#include "server/engine/database_caches.h"
 #include "server/engine/work/options.h"
 #include "storage/cancellable_lock.h"
 #include "storage/mutex.h"

@@ -68,9 +68,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "server/engine/build_lease.h"
-#include "server/engine/missed_build.h"
 #include "server/engine/snapshot.h"
 #include "server/engine/work/executor.h"
 #include "storage/mutex.h"

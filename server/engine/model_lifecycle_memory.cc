@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/engine/corruption_log.h"
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
+#include "server/engine/operator_log.h"
 #include "server/engine/representation.h"
 #include "server/engine/work/options.h"
 #include "storage/motion_store.h"

@@ -13,10 +13,10 @@
 
 #include "core/format/motion_file.h"
 #include "core/motion/error.h"
+#include "server/engine/compute_model.h"
 #include "server/engine/ingest.h"
 #include "server/engine/representation.h"
 #include "server/engine/source_reader.h"
-#include "server/engine/stored_clips.h"
 #include "server/engine/work/clock.h"
 
 namespace motiondb::server {

@@ -6,8 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/model/model_builder.h"
-#include "core/motion/cancellation.h"
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 #include "server/engine/live_database.h"
 #include "storage/motion_store.h"
 

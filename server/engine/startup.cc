@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/engine/compute_model.h"
 #include "server/engine/engine.h"
 #include "server/engine/snapshot.h"
-#include "server/engine/stored_clips.h"
-#include "storage/read_scope.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::server {
 

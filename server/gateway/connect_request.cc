@@ -8,9 +8,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/gateway/connect_error.h"
-#include "server/gateway/envelope.h"
-#include "server/gateway/header_value.h"
+#include "server/gateway/connect_json.h"
+#include "server/gateway/content_encoding.h"
 #include "server/http2/grpc_wire.h"
 #include "server/translate/status_mapping.h"
 #include "text/utf8.h"

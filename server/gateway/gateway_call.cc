@@ -12,10 +12,9 @@
 
 #include "core/motion/error.h"
 #include "server/engine/work/memory_reserve.h"
-#include "server/gateway/connect_error.h"
-#include "server/gateway/envelope.h"
-#include "server/gateway/gzip.h"
-#include "server/gateway/json_codec.h"
+#include "server/gateway/connect_json.h"
+#include "server/gateway/connect_request.h"
+#include "server/gateway/content_encoding.h"
 #include "server/http2/grpc_wire.h"
 #include "server/rpc/call_context.h"
 #include "server/rpc/call_identity.h"

@@ -1,19 +1,23 @@
-// The HTTP API as OpenAPI 3.1, from descriptors with their comments. Runs at build time.
+// The HTTP API as OpenAPI 3.1.
 #pragma once
 
 #include <google/protobuf/descriptor.pb.h>
 
 #include <string>
+#include <string_view>
 
 #include "absl/status/statusor.h"
 
 namespace motiondb::server {
 
-// Returns the document as JSON: a path for each RPC that does not stream requests, and schemas of
-// all messages by the JSON mapping of proto3. `files`: with imports and source info.
-// INVALID_ARGUMENT if they do not form a pool, or use a type of google.protobuf without a known
-// mapping.
+// Makes the document from descriptors with their comments, at build time. Returns it as JSON: a
+// path for each RPC that does not stream requests, and schemas of all messages by the JSON mapping
+// of proto3. `files`: with imports and source info. INVALID_ARGUMENT if they do not form a pool, or
+// use a type of google.protobuf without a known mapping.
 absl::StatusOr<std::string> OpenApiDocument(const google::protobuf::FileDescriptorSet& files,
                                             const std::string& version);
+
+// The document, in a source file that openapi_main.cc generates.
+extern const std::string_view kOpenApiJson;
 
 }  // namespace motiondb::server

@@ -15,7 +15,7 @@ constexpr std::size_t kPieceBytes = 8 << 10;  // compilers limit the length of a
 
 std::string SourceOf(const std::string& json) {
   std::string source =
-      "#include \"server/gateway/openapi_json.h\"\n\nnamespace motiondb::server {\n\n"
+      "#include \"server/gateway/openapi.h\"\n\nnamespace motiondb::server {\n\n"
       "const std::string_view kOpenApiJson =";
   for (std::size_t at = 0; at < json.size(); at += kPieceBytes) {
     source += "\n    \"";

@@ -1,13 +1,17 @@
-// The built web page (client/web/dist) in memory. Only files found at the start are served, so no
+// The built web page (client/web/dist) in memory, and answers to requests for it: files with their
+// caching, and index.html for the paths of views. Only files found at the start are served, so no
 // path of a request reaches the file system.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "absl/status/statusor.h"
+#include "server/http1/http_exchange.h"
 
 namespace motiondb::server {
 
@@ -44,5 +48,19 @@ class PageFiles {
 // Returns the folder of the page that is installed with this program: ../share/motiondb/web of the
 // program's folder.
 std::string InstalledPageFolder();
+
+// Adds the headers that restrict what a page from this server may do: content from this server
+// only, no inline code, no frames.
+void AddPageSecurity(HttpFields& fields);
+
+// Returns whether a request is for the page: GET or HEAD, and not the path of an RPC.
+bool IsPageRequest(const HttpRequest& request);
+
+// Returns the answer. An unknown path gives index.html, so that the address of a view can be
+// shared, unless its last part has an extension (404). Large files are sent in blocks. `page` must
+// outlive the answer.
+std::variant<HttpResponse, std::shared_ptr<HttpWork>> AnswerPageRequest(
+    const PageFiles& page, const HttpRequest& request,
+    const std::shared_ptr<HttpExchange>& exchange);
 
 }  // namespace motiondb::server

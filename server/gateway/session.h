@@ -7,7 +7,7 @@
 
 #include "server/engine/work/thread_pool.h"
 #include "server/http1/http_exchange.h"
-#include "server/rpc/service_context.h"
+#include "server/rpc/call_context.h"
 
 namespace motiondb::server {
 

@@ -10,7 +10,6 @@
 
 #include "server/observability/monitor.h"
 #include "server/rpc/call_limits.h"
-#include "server/rpc/call_memory.h"
 
 namespace motiondb::server {
 

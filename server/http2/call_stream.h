@@ -20,7 +20,7 @@
 
 #include "server/http2/call_bridge.h"
 #include "server/http2/grpc_wire.h"
-#include "server/rpc/call_memory.h"
+#include "server/rpc/call_limits.h"
 
 namespace motiondb::server {
 

@@ -7,13 +7,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <string>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 
 namespace motiondb::server {
-
 namespace {
 
 // Percent-encodes '%' and everything but printable ASCII, as grpc-message requires.

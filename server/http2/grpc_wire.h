@@ -4,7 +4,9 @@
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/support/status.h>
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -13,9 +15,24 @@
 #include <utility>
 #include <vector>
 
-#include "server/http2/message_prefix.h"
-
 namespace motiondb::server {
+
+// Precedes each message of gRPC, and each envelope in the Connect protocol: a byte of flags, of
+// which 1 means compressed, and its length, big-endian.
+inline constexpr std::size_t kMessagePrefixBytes = 5;
+using MessagePrefix = std::array<std::uint8_t, kMessagePrefixBytes>;
+
+inline MessagePrefix MakeMessagePrefix(std::uint32_t length) {
+  return {0, static_cast<std::uint8_t>(length >> 24), static_cast<std::uint8_t>(length >> 16),
+          static_cast<std::uint8_t>(length >> 8), static_cast<std::uint8_t>(length)};
+}
+
+inline bool IsCompressed(const MessagePrefix& prefix) { return prefix[0] != 0; }
+
+inline std::uint32_t MessageLength(const MessagePrefix& prefix) {
+  return std::uint32_t{prefix[1]} << 24 | std::uint32_t{prefix[2]} << 16 |
+         std::uint32_t{prefix[3]} << 8 | std::uint32_t{prefix[4]};
+}
 
 using HeaderList = std::vector<std::pair<std::string, std::string>>;
 

@@ -1,4 +1,4 @@
-// Collects metrics of Prometheus. Not thread-safe.
+// Collects metrics of Prometheus, and adds those of the store.
 #pragma once
 
 #include <prometheus/metric_family.h>
@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "server/observability/server_statistics.h"
 #include "text/display_text.h"
 
 namespace motiondb::server {
 
+// Not thread-safe.
 class MetricFamilies {
  public:
   using Labels = std::vector<prometheus::ClientMetric::Label>;
@@ -49,5 +51,8 @@ class MetricFamilies {
 
   std::vector<prometheus::MetricFamily> families_;
 };
+
+// Metrics of the store, and of the server's part in a store that several servers share.
+void AddStore(const ServerStatistics& statistics, MetricFamilies& families);
 
 }  // namespace motiondb::server

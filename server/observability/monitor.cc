@@ -16,7 +16,7 @@
 #include "server/engine/work/clock.h"
 #include "server/observability/log.h"
 #include "server/observability/server_statistics.h"
-#include "storage/read_scope.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::server {
 

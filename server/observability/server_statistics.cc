@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "server/observability/metric_families.h"
-#include "server/observability/store_metrics.h"
 
 namespace motiondb::server {
 

@@ -5,7 +5,7 @@
 
 #include "server/engine/work/memory_reserve.h"
 #include "server/translate/status_mapping.h"
-#include "storage/read_scope.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::server {
 

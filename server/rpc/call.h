@@ -12,15 +12,14 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "core/motion/cancellation.h"
 #include "core/motion/error.h"
+#include "core/motion/execution.h"
 #include "server/engine/engine.h"
 #include "server/engine/query/query.h"
 #include "server/engine/representation.h"
 #include "server/observability/log.h"
 #include "server/rpc/call_context.h"
 #include "server/rpc/parking.h"
-#include "server/rpc/service_context.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/status_mapping.h"
 

@@ -1,5 +1,4 @@
-// Context of one call during its lifetime: method, caller, authorization, limits, memory, metrics,
-// log and audit entry. Every reactor has one. Used by one thread at a time.
+// The state that all services share, and the context of one call.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -10,24 +9,45 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
+#include "server/engine/engine.h"
 #include "server/engine/representation.h"
 #include "server/observability/monitor.h"
 #include "server/rpc/call_identity.h"
-#include "server/rpc/service_context.h"
+#include "server/rpc/call_limits.h"
+#include "server/rpc/call_registry.h"
+#include "server/rpc/running_streams.h"
+#include "server/security/access_control.h"
 #include "server/security/authorize.h"
 
 namespace motiondb::server {
+
+class OtherServers;
+
+// Shared state of all services.
+struct ServiceContext {
+  Engine& engine;
+  AccessControl access;
+  CallLimits limits;
+  CallMemory memory;
+  CallRegistry registry;
+  Monitor& monitor;
+  RunningStreams streams = RunningStreams();
+  std::shared_ptr<OtherServers> others = nullptr;  // null: the store is not shared
+};
 
 // Return UNAVAILABLE, the status of calls that a stopping server cannot accept or finish.
 absl::Status ServerStopping();
 grpc::Status StoppingStatus();
 
+// Context of one call during its lifetime: method, caller, authorization, limits, memory, metrics,
+// log and audit entry. Every reactor has one. Used by one thread at a time.
 class CallContext {
  public:
   // `on_close`: see CallRegistry::RegisteredCall. `context` must outlive this.
@@ -76,7 +96,7 @@ class CallContext {
 
   // The Reserve functions reserve memory before it is allocated. A new amount replaces the former
   // one for the same purpose. RESOURCE_EXHAUSTED at the limit for all calls, for this client, or
-  // for a call of this size (call_memory.h). Small amounts are not counted.
+  // for a call of this size (MaxCallMemory). Small amounts are not counted.
 
   // For a parsed message, which may be many times its encoded size. Begin does it for the first.
   absl::Status ReserveRequest(const google::protobuf::Message& request);

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "server/security/authorize.h"
-#include "server/security/role_table.h"
 
 namespace motiondb::server {
 

@@ -7,7 +7,6 @@
 #include "motiondb/v1/clip.pb.h"
 #include "server/rpc/services.h"
 #include "server/rpc/upload_reactor.h"
-#include "server/translate/ingest_request.h"
 #include "server/translate/ingest_stream.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/record_messages.h"

@@ -9,7 +9,7 @@
 #include "server/engine/query/observe_session.h"
 #include "server/engine/work/clock.h"
 #include "server/rpc/call.h"
-#include "server/rpc/idle_timer.h"
+#include "server/rpc/parking.h"
 #include "server/rpc/running_streams.h"
 #include "server/rpc/services.h"
 #include "server/rpc/spectator.h"

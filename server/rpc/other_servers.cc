@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/security/key_pair.h"
-#include "server/security/operator_file.h"
+#include "server/security/operator_files.h"
 #include "server/security/tls.h"
 
 namespace motiondb::server {

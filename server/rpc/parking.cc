@@ -5,6 +5,58 @@
 
 namespace motiondb::server {
 
+struct IdleTimer::State {
+  State(Executor& runs_on, std::chrono::milliseconds first, std::chrono::milliseconds further,
+        std::function<void()> callback)
+      : executor(runs_on),
+        timer(runs_on.MakeTimer(Pool::kRequests)),
+        longest(further),
+        latest(runs_on.Now() + first),
+        on_idle(std::move(callback)) {}
+
+  // Sets the timer; its handler sets it again.
+  static void Wait(const std::shared_ptr<State>& state)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(state->mutex) {
+    state->timer->Set(state->latest, [state] {
+      const storage::MutexLock lock(state->mutex);
+      if (state->ended) return;
+      if (state->executor.Now() >= state->latest) {
+        state->latest = state->executor.Now() + state->longest;
+        state->on_idle();
+        if (state->ended) return;
+      }
+      Wait(state);
+    });
+  }
+
+  storage::RecursiveMutex mutex;  // recursive: the callback may destroy the timer
+  Executor& executor;
+  const std::unique_ptr<Executor::Timer> timer;
+  const std::chrono::milliseconds longest;
+  Executor::Clock::time_point latest ABSL_GUARDED_BY(mutex);
+  const std::function<void()> on_idle;
+  bool ended ABSL_GUARDED_BY(mutex) = false;
+};
+
+IdleTimer::IdleTimer(Executor& executor, std::chrono::milliseconds first,
+                     std::chrono::milliseconds longest, std::function<void()> on_idle)
+    : state_(std::make_shared<State>(executor, first, longest, std::move(on_idle))) {
+  const storage::MutexLock lock(state_->mutex);
+  State::Wait(state_);
+}
+
+IdleTimer::~IdleTimer() {
+  const storage::MutexLock lock(state_->mutex);
+  state_->ended = true;
+  state_->timer->Cancel();
+}
+
+void IdleTimer::Restart() {
+  // The handler compares with `latest` when it fires, so a Restart does not set the timer.
+  const storage::MutexLock lock(state_->mutex);
+  state_->latest = state_->executor.Now() + state_->longest;
+}
+
 using storage::MutexLock;
 
 void Parking::BeginStep() {

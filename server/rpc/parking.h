@@ -1,5 +1,4 @@
-// Lets a call wait for a change, as of a database, without a thread. A step of the call that cannot
-// go on subscribes to the changes and returns AwaitsChange(); the reactor then parks the call.
+// Lets a call wait without a thread: for its client, or for a change.
 #pragma once
 
 #include <chrono>
@@ -9,11 +8,33 @@
 
 #include "server/engine/change_signal.h"
 #include "server/engine/work/executor.h"
-#include "server/rpc/idle_timer.h"
 #include "storage/mutex.h"
 
 namespace motiondb::server {
 
+// Idle timer of a call. Uses no thread while it waits. Thread-safe.
+class IdleTimer {
+ public:
+  // Calls `on_idle` if there is no Restart within `first`. After the first Restart or timeout
+  // the interval is `longest`; the timer repeats. No call during or after destruction. `on_idle`
+  // may destroy the timer.
+  IdleTimer(Executor& executor, std::chrono::milliseconds first, std::chrono::milliseconds longest,
+            std::function<void()> on_idle);
+  ~IdleTimer();
+  IdleTimer(const IdleTimer&) = delete;
+  IdleTimer& operator=(const IdleTimer&) = delete;
+
+  // Restarts the interval.
+  void Restart();
+
+ private:
+  struct State;
+
+  const std::shared_ptr<State> state_;  // shared with the executor's timer, which may fire late
+};
+
+// Lets a call wait for a change, as of a database, without a thread. A step of the call that cannot
+// go on subscribes to the changes and returns AwaitsChange(); the reactor then parks the call.
 // A call that never parks makes no timer.
 class Parking {
  public:

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "server/rpc/call.h"
-#include "server/rpc/service_context.h"
+#include "server/rpc/call_context.h"
 
 namespace motiondb::v1 {
 class IngestClipRequest;

@@ -11,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/rpc/call.h"
-#include "server/rpc/idle_timer.h"
+#include "server/rpc/parking.h"
 
 namespace motiondb::server {
 

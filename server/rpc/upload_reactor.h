@@ -9,7 +9,7 @@
 
 #include "core/motion/error.h"
 #include "server/rpc/call.h"
-#include "server/rpc/idle_timer.h"
+#include "server/rpc/parking.h"
 
 namespace motiondb::server {
 

@@ -5,11 +5,11 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/view.grpc.pb.h"
 #include "server/engine/query/clip_motion.h"
-#include "server/engine/query/state_map.h"
+#include "server/engine/query/model_query.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
+#include "server/translate/model_message.h"
 #include "server/translate/resource_name.h"
-#include "server/translate/view_message.h"
 
 namespace motiondb::server {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "absl/strings/match.h"
 #include "core/motion/error.h"
-#include "server/engine/audit_trail.h"
+#include "server/engine/operator_log.h"
 #include "server/engine/work/clock.h"
-#include "server/security/secret.h"
+#include "server/security/token_registry.h"
 #include "server/translate/status_mapping.h"
 
 namespace motiondb::server {

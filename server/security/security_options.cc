@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "core/motion/error.h"
-#include "server/security/operator_file.h"
+#include "server/security/operator_files.h"
 
 namespace motiondb::server {
 namespace {

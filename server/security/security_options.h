@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/security/key_pair.h"
+#include "server/security/operator_files.h"
 #include "storage/access_store.h"
 
 namespace motiondb::server {

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "absl/status/statusor.h"
-#include "server/security/key_pair.h"
+#include "server/security/operator_files.h"
 #include "storage/mutex.h"
 
 namespace motiondb::server {

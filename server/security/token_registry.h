@@ -1,6 +1,5 @@
-// Creates, checks and revokes bearer tokens. Tokens that were preloaded, created or used stay in
-// memory while they are valid, so the check of a call costs one hash. A revocation takes effect in
-// memory immediately.
+// Creates, checks and revokes bearer tokens. A token is `mdb_{id}_{secret}`. The id (48 bits) is
+// public. The secret has 256 random bits, so a salted SHA-256 is as safe as a slow password hash.
 #pragma once
 
 #include <atomic>
@@ -8,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -18,6 +18,24 @@
 #include "storage/mutex.h"
 
 namespace motiondb::server {
+
+// Returns `bytes` random bytes in hexadecimal. Returns INTERNAL if the random generator fails.
+absl::StatusOr<std::string> RandomHex(int bytes);
+
+// Returns the SHA-256 of salt and secret: 32 bytes.
+std::string HashSecret(std::string_view salt, std::string_view secret);
+
+// Compares in constant time.
+bool SameBytes(std::string_view a, std::string_view b);
+
+struct BearerToken {
+  std::string_view id;
+  std::string_view secret;
+};
+
+// Splits `mdb_{id}_{secret}`. Returns nullopt for another form. The result refers to `text`.
+std::optional<BearerToken> SplitToken(std::string_view text);
+std::string JoinToken(std::string_view id, std::string_view secret);
 
 // A stored token and whether it is still valid.
 class KnownToken {
@@ -59,6 +77,8 @@ struct CreatedToken {
   std::string secret;  // `mdb_{id}_{secret}`, as the client sends it
 };
 
+// Tokens that were preloaded, created or used stay in memory while they are valid, so the check of
+// a call costs one hash. A revocation takes effect in memory immediately.
 class TokenRegistry {
  public:
   using MakeAudit = std::function<storage::AuditRecord(const storage::TokenRecord&)>;

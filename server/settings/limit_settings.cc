@@ -3,7 +3,6 @@
 #include <string>
 
 #include "server/settings/groups.h"
-#include "server/settings/options.h"
 #include "server/settings/process_limits.h"
 
 namespace motiondb::server {

@@ -7,7 +7,6 @@
 #include "core/motion/error.h"
 #include "server/observability/health_server.h"
 #include "server/settings/groups.h"
-#include "server/settings/options.h"
 
 namespace motiondb::server {
 

@@ -3,7 +3,6 @@
 
 #include "core/motion/error.h"
 #include "server/settings/groups.h"
-#include "server/settings/options.h"
 #include "storage/store_url.h"
 
 namespace motiondb::server {

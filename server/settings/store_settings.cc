@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "server/settings/groups.h"
-#include "server/settings/options.h"
 #include "storage/store_url.h"
 
 namespace motiondb::server {

@@ -28,7 +28,7 @@ struct RequestedChange {
 };
 
 // INVALID_ARGUMENT with the field for a name, etag, mask or kind of value that is not valid. The
-// engine checks the values (server/engine/annotation_rules.h).
+// engine checks the values (server/engine/request_checks.h).
 absl::StatusOr<RequestedChange> ParseChange(const v1::UpdateClipRequest& request);
 absl::StatusOr<RequestedChange> ParseChange(const v1::CreateSegmentRequest& request);
 absl::StatusOr<RequestedChange> ParseChange(const v1::UpdateSegmentRequest& request);

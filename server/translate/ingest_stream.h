@@ -1,4 +1,5 @@
-// Collects the messages of an ingest stream into a file to ingest, and checks each message.
+// Converts messages to a clip to ingest: the whole clip of UploadClip, and the stream of
+// IngestClip.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +11,24 @@
 namespace motiondb::v1 {
 class IngestClipHeader;
 class IngestClipRequest;
+class UploadClipRequest;
 }  // namespace motiondb::v1
 
 namespace motiondb::server {
 
+// Returns the request without the bytes of the files; the rules for it are CheckNewClip.
+// INVALID_ARGUMENT with the field, as in "header.format". Does not read the database, `parent`.
+absl::StatusOr<IngestRequest> ParseIngestHeader(const v1::IngestClipHeader& header);
+
+// Returns the whole clip, by the rules of server/engine/ingest_rules.h. INVALID_ARGUMENT,
+// RESOURCE_EXHAUSTED.
+absl::StatusOr<IngestRequest> ParseUpload(const v1::UploadClipRequest& message,
+                                          std::size_t max_file_bytes);
+
 // Maximum size of a file block in one message.
 inline constexpr std::size_t kMaxBlockBytes = std::size_t{1} << 20;
 
+// Collects the messages of an ingest stream into a file to ingest, and checks each message.
 class IngestStream {
  public:
   explicit IngestStream(std::size_t max_file_bytes) : max_file_bytes_(max_file_bytes) {}

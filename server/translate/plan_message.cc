@@ -9,13 +9,13 @@
 
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
-#include "core/view/bones.h"
+#include "core/view/clip_picture.h"
 #include "motiondb/v1/plan.pb.h"
 #include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
+#include "server/translate/model_message.h"
 #include "server/translate/observation.h"
 #include "server/translate/resource_name.h"
-#include "server/translate/view_message.h"
 #include "text/utf8.h"
 
 namespace motiondb::server {

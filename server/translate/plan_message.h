@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
 #include "server/engine/query/plan_query.h"
 
 namespace motiondb::core {

@@ -13,7 +13,6 @@
 #include "core/prediction/predict.h"
 #include "core/recognition/find_motion.h"
 #include "core/recognition/recognize.h"
-#include "server/engine/query/prediction_series.h"
 #include "server/engine/query/query.h"
 
 namespace motiondb::v1 {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
 #include "core/motion/states.h"
 #include "storage/blob/byte_stream.h"
 

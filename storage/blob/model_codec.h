@@ -6,11 +6,10 @@
 
 #include "absl/status/statusor.h"
 #include "core/graph/transition_graph.h"
+#include "core/model/answer_calibration.h"
 #include "core/model/model.h"
 #include "core/model/motion_metric.h"
 #include "core/model/motion_prior.h"
-#include "core/model/prediction_confidence.h"
-#include "core/model/recognition_calibration.h"
 #include "storage/blob/byte_stream.h"
 
 namespace motiondb::storage {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::storage {
 

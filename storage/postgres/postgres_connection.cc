@@ -7,9 +7,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/postgres/postgres_error.h"
-#include "storage/postgres/postgres_sql.h"
-#include "storage/read_scope.h"
+#include "storage/postgres/postgres_conversion.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::storage {
 namespace {

@@ -1,5 +1,4 @@
-// Opens sessions of one PostgreSQL store. After failed attempts it waits, longer each time, so that
-// many threads do not hammer a server that starts. Thread-safe.
+// The address of a PostgreSQL store, and the sessions with it.
 #pragma once
 
 #include <libpq-fe.h>
@@ -12,17 +11,36 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "storage/mutex.h"
-#include "storage/postgres/postgres_address.h"
 
 namespace motiondb::storage {
+
+// A URL as libpq takes it, with one parameter more.
+struct PostgresAddress {
+  // For libpq; may contain a password, so it is in no message.
+  std::string url;
+  // Host, port and database for messages: "postgresql://host:5432/name".
+  std::string name;
+  // `?pooled=1`: between the server and PostgreSQL is a pooler that gives each transaction another
+  // session (pgbouncer with pool_mode=transaction): no prepared statements, nothing that belongs to
+  // a session.
+  bool pooled = false;
+  // Whether a standby is accepted too. The URL can set it: `target_session_attrs`.
+  bool read_only = false;
+};
+
+// INVALID_ARGUMENT, without the text of the URL, if libpq cannot parse it or `pooled` is neither 0
+// nor 1.
+absl::StatusOr<PostgresAddress> ParsePostgresUrl(std::string_view url);
 
 struct CloseSession {
   void operator()(PGconn* session) const { PQfinish(session); }
 };
 using SessionHandle = std::unique_ptr<PGconn, CloseSession>;
 
+// Opens sessions of one PostgreSQL store. After failed attempts it waits, longer each time, so that
+// many threads do not hammer a server that starts. Thread-safe.
 class PostgresConnector {
  public:
   explicit PostgresConnector(PostgresAddress address);

@@ -8,11 +8,44 @@
 #include "storage/postgres/postgres_connection.h"
 #include "storage/postgres/postgres_verifier.h"
 #include "storage/postgres/postgres_watch.h"
-#include "storage/postgres/server_table.h"
 #include "storage/postgres/text_search.h"
+#include "storage/records.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sql/sql_motion_store_work.h"
 
 namespace motiondb::storage {
+namespace {
+
+// Rows of the table `server`: the servers that share the store; see MotionStore. The functions run
+// in the caller's transaction.
+
+// Adds or renews a server, and removes those that have expired.
+absl::Status PutServer(Connection& connection, const ServerAddress& server,
+                       std::chrono::milliseconds duration) {
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.Query("DELETE FROM server WHERE expire_time < clock_timestamp()").Run());
+  return connection
+      .Query(
+          "INSERT INTO server (name, address, expire_time) VALUES (?, ?, clock_timestamp() + "
+          "?::bigint * interval '1 millisecond') ON CONFLICT (name) DO UPDATE SET address = "
+          "excluded.address, expire_time = excluded.expire_time",
+          server.name, server.address, std::int64_t{duration.count()})
+      .Run();
+}
+
+// In order of name.
+absl::StatusOr<std::vector<ServerAddress>> SelectServers(Connection& connection) {
+  std::vector<ServerAddress> servers;
+  Statement row = connection.Query(
+      "SELECT name, address FROM server WHERE expire_time >= clock_timestamp() ORDER BY name");
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return servers;
+    servers.push_back({row.Text(0), row.Text(1)});
+  }
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<PostgresMotionStore>> PostgresMotionStore::Open(
     const std::string& url, PostgresOptions options) {

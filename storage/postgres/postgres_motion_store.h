@@ -17,7 +17,7 @@
 #include "storage/postgres/postgres_connector.h"
 #include "storage/postgres/schema.h"
 #include "storage/sql/sql_motion_store.h"
-#include "storage/sqlite/copy_file.h"
+#include "storage/sqlite/store_disk.h"
 
 namespace motiondb::storage {
 

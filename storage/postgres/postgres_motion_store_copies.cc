@@ -7,13 +7,12 @@
 #include "storage/postgres/postgres_connection.h"
 #include "storage/postgres/postgres_motion_store.h"
 #include "storage/sql/sql_motion_store_work.h"
-#include "storage/sql/tables/copied_tables.h"
 #include "storage/sql/tables/database_table.h"
 #include "storage/sql/tables/row_copy.h"
-#include "storage/sqlite/disk_reserve.h"
+#include "storage/sql/tables/table_lists.h"
 #include "storage/sqlite/sqlite_backup.h"
-#include "storage/sqlite/sqlite_import.h"
 #include "storage/sqlite/sqlite_restore.h"
+#include "storage/sqlite/store_disk.h"
 
 namespace motiondb::storage {
 namespace {

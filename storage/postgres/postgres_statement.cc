@@ -6,7 +6,7 @@
 
 #include "core/motion/error.h"
 #include "storage/postgres/postgres_connection.h"
-#include "storage/postgres/postgres_text.h"
+#include "storage/postgres/postgres_conversion.h"
 
 namespace motiondb::storage {
 namespace {

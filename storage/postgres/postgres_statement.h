@@ -36,7 +36,7 @@ struct PostgresParameters {
 class PostgresStatement final : public PreparedStatement {
  public:
   enum class Rows { kAll, kStream };
-  // `sql`: translated (postgres_sql.h). The connection must outlive the object.
+  // `sql`: translated (ToPostgresSql). The connection must outlive the object.
   PostgresStatement(PostgresConnection& connection, const std::string& sql, Rows rows)
       : connection_(connection), sql_(sql), rows_(rows) {}
 

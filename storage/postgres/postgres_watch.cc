@@ -13,9 +13,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/postgres/postgres_error.h"
+#include "storage/postgres/postgres_conversion.h"
 #include "storage/postgres/postgres_statement.h"
-#include "storage/postgres/postgres_text.h"
 
 namespace motiondb::storage {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "storage/motion_store.h"
 #include "storage/postgres/postgres_connector.h"
-#include "storage/store_changes.h"
 
 namespace motiondb::storage {
 

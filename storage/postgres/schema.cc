@@ -1,7 +1,7 @@
 #include "storage/postgres/schema.h"
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 
 namespace motiondb::storage {
 namespace {

@@ -10,15 +10,13 @@
 #include "storage/sql/models/model_table.h"
 #include "storage/sql/models/put_model.h"
 #include "storage/sql/sql_motion_store_work.h"
+#include "storage/sql/tables/access_tables.h"
 #include "storage/sql/tables/added_bytes.h"
-#include "storage/sql/tables/audit_table.h"
-#include "storage/sql/tables/build_lease_table.h"
 #include "storage/sql/tables/clip_table.h"
 #include "storage/sql/tables/database_table.h"
 #include "storage/sql/tables/deleted_databases.h"
 #include "storage/sql/tables/operation_table.h"
 #include "storage/sql/tables/skeleton_table.h"
-#include "storage/sql/tables/token_table.h"
 
 namespace motiondb::storage {
 namespace {

@@ -20,10 +20,9 @@
 #include "storage/mutex.h"
 #include "storage/sql/connection/connection.h"
 #include "storage/sql/connection/reader_pool.h"
-#include "storage/sql/connection/transaction.h"
 #include "storage/sql/connection/write_health.h"
 #include "storage/sql/connection/writer.h"
-#include "storage/sql/tables/staged_databases.h"
+#include "storage/sql/tables/deleted_databases.h"
 
 namespace motiondb::storage {
 

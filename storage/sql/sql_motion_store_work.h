@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/read_scope.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sql/sql_motion_store.h"
-#include "storage/sql/tables/audit_table.h"
+#include "storage/sql/tables/access_tables.h"
 #include "storage/sql/tables/clip_table.h"
 #include "storage/sql/tables/database_table.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::storage {
 

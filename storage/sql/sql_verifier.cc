@@ -7,18 +7,18 @@
 #include "storage/blob/checksums.h"
 #include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
+#include "storage/sql/tables/access_tables.h"
 #include "storage/sql/tables/clip_table.h"
 #include "storage/sql/tables/database_table.h"
 #include "storage/sql/tables/edit_table.h"
 #include "storage/sql/tables/operation_table.h"
 #include "storage/sql/tables/segment_table.h"
-#include "storage/sql/tables/token_table.h"
 
 namespace motiondb::storage {
 namespace {
 
 constexpr std::int64_t kStepBytes = 4 << 20;
-constexpr int kStepRows = 256;
+constexpr int kVerifiedRows = 256;
 constexpr std::size_t kBufferBytes = 64 << 10;
 // Models up to this size are decoded, which needs about the same size of memory.
 constexpr std::int64_t kDecodedModelBytes = 16 << 20;
@@ -94,7 +94,8 @@ absl::StatusOr<bool> SqlVerifier::Step(std::vector<Corruption>& found) {
       found_corrupt_row = !found_.empty();
       return checked;
     }
-    for (int row = 0; row < kStepRows && totals_.byte_count - bytes_before < kStepBytes; ++row) {
+    for (int row = 0; row < kVerifiedRows && totals_.byte_count - bytes_before < kStepBytes;
+         ++row) {
       if (cancelled_ && cancelled_()) return absl::CancelledError("the verification was cancelled");
       absl::StatusOr<bool> more = false;
       if (phase == Phase::kClips) more = CheckClip(connection);

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "storage/sql/connection/connection.h"
-#include "storage/sql/tables/checked_tables.h"
 #include "storage/sql/tables/chunk_table.h"
 #include "storage/sql/tables/clip_row.h"
+#include "storage/sql/tables/table_lists.h"
 #include "storage/store_maintenance.h"
 #include "storage/text_query.h"
 

@@ -6,9 +6,8 @@
 #include <string_view>
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sql/tables/database_table.h"
-#include "storage/sqlite/index_corruption.h"
 
 namespace motiondb::storage {
 namespace {

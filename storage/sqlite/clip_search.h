@@ -1,6 +1,6 @@
 // The full-text index of clips: table `clip_text`, whose row ids are the keys of clips. The
-// functions run in the caller's transaction, except RebuildClipText. Errors that a corrupt index
-// causes are marked: IsOfSearchIndex (index_corruption.h).
+// functions run in the caller's transaction, except RebuildClipText. The index is derived from the
+// rows and can be made again, so errors that a corrupt index causes are marked: IsOfSearchIndex.
 #pragma once
 
 #include <sqlite3.h>
@@ -9,13 +9,33 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/cord.h"
 #include "storage/annotation_store.h"
 #include "storage/sql/connection/connection.h"
 #include "storage/sql/tables/clip_text.h"
 #include "storage/text_query.h"
 
 namespace motiondb::storage {
+
+inline constexpr char kSearchIndexUrl[] = "motiondb.search_index";
+
+// Converts the error of a statement that uses only the index into a marked DATA_LOSS if corruption
+// can be its cause: FTS5 also reports contradictory rows as a violated constraint, and missing ones
+// as a logic error. Returns other statuses unchanged.
+inline absl::Status OfSearchIndex(const absl::Status& status) {
+  if (!absl::IsDataLoss(status) && !absl::IsAlreadyExists(status) && !absl::IsInternal(status)) {
+    return status;
+  }
+  absl::Status marked = absl::DataLossError(status.message());
+  marked.SetPayload(kSearchIndexUrl, absl::Cord());
+  return marked;
+}
+
+inline bool IsOfSearchIndex(const absl::Status& status) {
+  return status.GetPayload(kSearchIndexUrl).has_value();
+}
 
 // Adds the SQL function `motiondb_words` (NormalizeText) to a connection. Returns an SQLite result
 // code.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sql/tables/chunk_table.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/sqlite_backup.h"

@@ -9,12 +9,11 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "storage/blob/checksums.h"
 #include "storage/sql/connection/connection.h"
-#include "storage/sqlite/copy_file.h"
-#include "storage/sqlite/disk_reserve.h"
-#include "storage/sqlite/file_identity.h"
+#include "storage/sqlite/store_disk.h"
+#include "storage/sqlite/store_lock.h"
 
 namespace motiondb::storage {
 

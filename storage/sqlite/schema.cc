@@ -7,7 +7,7 @@
 
 #include "core/motion/error.h"
 #include "storage/mutex.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sqlite/sqlite_connection.h"
 
 namespace motiondb::storage {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sql/tables/database_table.h"
 #include "storage/sql/tables/row_copy.h"
 #include "storage/sqlite/sqlite_connection.h"

@@ -13,8 +13,7 @@
 
 #include "storage/blob/checksums.h"
 #include "storage/sql/connection/connection.h"
-#include "storage/sqlite/copy_file.h"
-#include "storage/sqlite/disk_reserve.h"
+#include "storage/sqlite/store_disk.h"
 #include "storage/store_maintenance.h"
 
 namespace motiondb::storage {

@@ -14,8 +14,7 @@
 
 #include "storage/motion_store.h"
 #include "storage/sql/sql_motion_store.h"
-#include "storage/sqlite/disk_reserve.h"
-#include "storage/sqlite/file_identity.h"
+#include "storage/sqlite/store_disk.h"
 #include "storage/sqlite/store_lock.h"
 
 namespace motiondb::storage {
@@ -26,7 +25,7 @@ struct SqliteOptions {
   // Clock for the time of models and edits: microseconds since the Unix epoch. Empty: system clock.
   // All other times come with the records.
   std::function<std::int64_t()> now_us;
-  // Disk space that additions must leave free (disk_reserve.h); 0: no check. Ignored for a store in
+  // Disk space that additions must leave free (DiskReserve); 0: no check. Ignored for a store in
   // memory.
   std::int64_t reserve_bytes = 0;
   // Changes return FAILED_PRECONDITION, and no file of the store is written: the file system may be

@@ -6,13 +6,11 @@
 #include "storage/sql/sql_motion_store_work.h"
 #include "storage/sql/tables/database_table.h"
 #include "storage/sqlite/clip_search.h"
-#include "storage/sqlite/copy_file.h"
-#include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/sqlite_backup.h"
-#include "storage/sqlite/sqlite_import.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "storage/sqlite/sqlite_restore.h"
 #include "storage/sqlite/sqlite_verifier.h"
+#include "storage/sqlite/store_disk.h"
 #include "storage/sqlite/store_file.h"
 
 namespace motiondb::storage {

@@ -3,16 +3,13 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <string_view>
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
-#include "storage/sql/tables/clip_bytes.h"
-#include "storage/sqlite/big_endian.h"
+#include "storage/sql/connection/connection.h"
+#include "storage/sql/tables/clip_row.h"
 #include "storage/sqlite/clip_search.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite_connection.h"

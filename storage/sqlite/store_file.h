@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -55,5 +56,15 @@ absl::Status CheckIsCurrentVersion(Connection& connection);
 // Moves the content of the log into the file as far as readers allow, without waiting. If all was
 // moved, truncates the log. REQUIRES: `writer` is in no transaction.
 void CheckpointLog(Connection& writer);
+
+// Returns the four bytes at offset `place` as a number: SQLite's files have big-endian numbers.
+// REQUIRES: place + 4 <= bytes.size().
+inline std::uint32_t BigEndian(std::string_view bytes, std::size_t place) {
+  std::uint32_t value = 0;
+  for (std::size_t i = place; i < place + 4; ++i) {
+    value = value << 8 | static_cast<unsigned char>(bytes[i]);
+  }
+  return value;
+}
 
 }  // namespace motiondb::storage

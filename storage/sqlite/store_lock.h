@@ -1,6 +1,6 @@
-// Lock of a store. Only one object in one process may write to a store: two writers could corrupt
-// the file (SQLite before 3.51.3 may do so if two connections write or checkpoint at the same
-// time).
+// Lock of a store, and the identity of its files. Only one object in one process may write to a
+// store: two writers could corrupt the file (SQLite before 3.51.3 may do so if two connections
+// write or checkpoint at the same time).
 //
 // The lock is an flock on the file "<store>-lock" beside the store. The system releases it when the
 // process ends in any way. The file stays; alone it has no meaning.
@@ -11,6 +11,8 @@
 // conflict with SQLite's own locks on file systems that implement flock with fcntl locks, such as
 // NFS.
 #pragma once
+
+#include <sys/types.h>
 
 #include <string>
 
@@ -38,5 +40,17 @@ class StoreLock {
 
   int file_;  // descriptor; -1: none, or moved from
 };
+
+// Shows that a file was replaced by another file of the same name.
+struct FileIdentity {
+  dev_t device = 0;
+  ino_t inode = 0;
+};
+
+// Returns the identity of the file at `path`. UNAVAILABLE if there is none.
+absl::StatusOr<FileIdentity> GetFileIdentity(const std::string& path);
+
+// UNAVAILABLE if the file at `path` is missing or is not `file`.
+absl::Status CheckFileIdentity(const std::string& path, const FileIdentity& file);
 
 }  // namespace motiondb::storage

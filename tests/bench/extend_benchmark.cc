@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "core/calibration/model_difference.h"
-#include "core/model/extend_model.h"
+#include "core/model/model_builder.h"
 #include "core/motion/error.h"
-#include "server/engine/corruption_log.h"
+#include "server/engine/compute_model.h"
 #include "server/engine/model_lifecycle.h"
+#include "server/engine/operator_log.h"
 #include "server/engine/snapshot.h"
-#include "server/engine/stored_clips.h"
 #include "server/engine/work/operation_registry.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/bench/bench_program.h"

@@ -13,11 +13,11 @@
 
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
-#include "server/engine/corruption_log.h"
-#include "server/engine/file_names.h"
+#include "server/engine/ingest_rules.h"
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
 #include "server/engine/model_lifecycle.h"
+#include "server/engine/operator_log.h"
 #include "server/engine/work/clock.h"
 #include "server/engine/work/operation_registry.h"
 #include "storage/sqlite/sqlite_motion_store.h"

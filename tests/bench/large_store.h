@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 #include "storage/motion_store.h"
 #include "tests/bench/varied_motion.h"
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/calibration/trials.h"
+#include "core/calibration/calibrate.h"
 #include "core/estimation/estimate.h"
 #include "core/format/marker_set_file.h"
 #include "core/model/clip_mask.h"

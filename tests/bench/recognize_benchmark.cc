@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/calibration/trials.h"
+#include "core/calibration/calibrate.h"
 #include "core/format/marker_set_file.h"
 #include "core/recognition/find_motion.h"
 #include "core/recognition/recognize.h"

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/calibration/held_out.h"
+#include "core/calibration/calibrate.h"
 #include "core/motion/error.h"
 #include "core/prediction/predict.h"
 #include "core/recognition/recognize.h"

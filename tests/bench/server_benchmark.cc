@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sqlite/store_file.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/client_load.h"

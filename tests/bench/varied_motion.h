@@ -15,8 +15,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/model/model_builder.h"
+#include "core/motion/execution.h"
 #include "core/tree/feature_scale.h"
-#include "core/tree/parallel.h"
 
 namespace motiondb::tests {
 

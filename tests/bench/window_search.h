@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/model/model.h"
+#include "core/motion/execution.h"
 #include "core/motion/matrix.h"
-#include "core/tree/parallel.h"
 
 namespace motiondb::tests {
 

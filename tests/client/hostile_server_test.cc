@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cli/plot/picture.h"
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "client/cli/database_text.h"
+#include "client/cli/server_text.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 

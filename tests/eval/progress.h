@@ -5,7 +5,7 @@
 #include <mutex>
 #include <string>
 
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 
 namespace motiondb::tests {
 

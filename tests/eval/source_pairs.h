@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 #include "tests/support/corpus.h"
 
 namespace motiondb::tests {

@@ -6,7 +6,6 @@
 #include <sstream>
 #include <vector>
 
-#include "import/inspection_json.h"
 #include "tests/import/scene/scene_files.h"
 #include "tests/support/humanoid_bvh.h"
 #include "tests/support/temporary_directory.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/model/extend_model.h"
+#include "core/model/model_builder.h"
 #include "tests/storage/backup_bytes.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "storage/read_scope.h"
 #include "storage/sqlite/store_file.h"
+#include "storage/thread_scopes.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sql/connection/writer.h"
 #include "tests/storage/queued_work.h"
 #include "tests/storage/require_ok.h"

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/model/extend_model.h"
+#include "core/model/model_builder.h"
 #include "tests/storage/conformance/motion_store_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

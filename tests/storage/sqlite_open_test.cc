@@ -4,7 +4,7 @@
 #include <string>
 
 #include "absl/cleanup/cleanup.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite_connection.h"
 #include "storage/sqlite/sqlite_motion_store.h"

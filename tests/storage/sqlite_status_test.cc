@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "storage/sqlite/sqlite_statement.h"
+#include "storage/sqlite/sqlite_connection.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/store_file.h"
 

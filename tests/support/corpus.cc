@@ -5,9 +5,9 @@
 #include <sstream>
 
 #include "core/format/marker_set_file.h"
+#include "core/motion/corrections.h"
 #include "core/motion/error.h"
-#include "core/motion/floor_level.h"
-#include "core/motion/reference_pose.h"
+#include "core/motion/motion_floor.h"
 #include "tests/support/motion_source.h"
 
 namespace motiondb::tests {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/execution.h"
 #include "core/motion/states.h"
-#include "core/tree/parallel.h"
 
 namespace motiondb::tests {
 

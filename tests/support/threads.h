@@ -1,7 +1,7 @@
 // Implementation of core::ParallelFor for tests.
 #pragma once
 
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::tests {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -10,6 +11,7 @@
 #include "absl/status/status.h"
 
 namespace motiondb::client {
+
 namespace {
 
 using google::protobuf::util::TimeUtil;
@@ -143,6 +145,30 @@ std::string FieldValueText(const v1::FieldValue& value) {
       break;
   }
   return "";
+}
+
+namespace {
+
+CLI::Validator FieldText() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return std::string(ParseFieldOption(text).status().message());
+      },
+      "");
+}
+
+}  // namespace
+
+void AddRepeatedOption(CLI::App& command, const char* name, std::vector<std::string>& values,
+                       const char* type, const char* description) {
+  command.add_option(name, values, description)->type_name(type)->allow_extra_args(false);
+}
+
+void AddFieldOption(CLI::App& command, std::vector<std::string>& fields, const char* description) {
+  command.add_option("--field", fields, description)
+      ->type_name("NAME[:TYPE]=VALUE")
+      ->allow_extra_args(false)
+      ->check(FieldText());
 }
 
 }  // namespace motiondb::client

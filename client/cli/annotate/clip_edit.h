@@ -12,6 +12,10 @@
 
 #include "absl/status/statusor.h"
 
+namespace CLI {
+class App;
+}  // namespace CLI
+
 namespace motiondb::client {
 
 struct ClipEdit {
@@ -46,5 +50,12 @@ absl::StatusOr<std::pair<std::string, v1::FieldValue>> ParseFieldOption(const st
 
 // Returns the value as text: "true", "1.5", "2026-01-31T10:00:00Z".
 std::string FieldValueText(const v1::FieldValue& value);
+
+// Adds an option with one value that may be repeated.
+void AddRepeatedOption(CLI::App& command, const char* name, std::vector<std::string>& values,
+                       const char* type, const char* description);
+
+// Adds --field NAME[:TYPE]=VALUE, repeated; see ParseFieldOption.
+void AddFieldOption(CLI::App& command, std::vector<std::string>& fields, const char* description);
 
 }  // namespace motiondb::client

@@ -1,6 +1,6 @@
 #include "client/cli/annotate/clip_index.h"
 
-#include "client/cli/file_formats.h"
+#include "client/cli/motion_file.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {

@@ -15,7 +15,7 @@
 #include "client/cli/command.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
-#include "client/cli/usage/suggestion.h"
+#include "client/cli/usage/usage_error.h"
 #include "client/input_file.h"
 
 namespace motiondb::client {

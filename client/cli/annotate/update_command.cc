@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "client/call_failure.h"
-#include "client/cli/annotate/annotation_options.h"
 #include "client/cli/annotate/batch_edit.h"
 #include "client/cli/annotate/clip_edit.h"
 #include "client/cli/command.h"

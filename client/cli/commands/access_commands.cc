@@ -9,9 +9,9 @@
 #include <ctime>
 #include <map>
 
-#include "client/cli/access_text.h"
 #include "client/cli/command.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/server_text.h"
 #include "client/cli/terminal/print.h"
 #include "text/display_text.h"
 

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "client/call_failure.h"
-#include "client/cli/access_text.h"
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/resource_name.h"
+#include "client/cli/server_text.h"
 #include "client/cli/terminal/print.h"
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 
 namespace motiondb::client {
 

@@ -8,8 +8,7 @@
 #include <string_view>
 
 #include "client/cli/command.h"
-#include "client/cli/file_formats.h"
-#include "client/cli/import_request.h"
+#include "client/cli/import_messages.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/terminal/print.h"
 #include "client/output_file.h"

@@ -12,7 +12,7 @@
 #include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {

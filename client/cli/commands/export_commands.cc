@@ -10,11 +10,11 @@
 #include <string>
 
 #include "client/cli/command.h"
-#include "client/cli/file_formats.h"
 #include "client/cli/model_dump.h"
+#include "client/cli/motion_file.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 #include "client/output_file.h"
 
 namespace motiondb::client {

@@ -7,7 +7,6 @@
 #include <iterator>
 #include <optional>
 
-#include "client/cli/annotate/annotation_options.h"
 #include "client/cli/annotate/clip_edit.h"
 #include "client/cli/clip_files.h"
 #include "client/cli/command.h"

@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "client/cli/command.h"
-#include "client/cli/file_formats.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/plan_request.h"
 #include "client/cli/plan_text.h"
+#include "client/cli/plot/canvas.h"
 #include "client/cli/plot/floor_plan.h"
-#include "client/cli/plot/picture_file.h"
 #include "client/cli/terminal/print.h"
 #include "client/output_file.h"
 

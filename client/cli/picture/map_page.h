@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/picture/map_colours.h"
 #include "client/cli/picture/map_view.h"
 #include "client/cli/picture/pose_drawing.h"
 

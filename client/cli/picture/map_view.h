@@ -1,7 +1,8 @@
-// The principal axes in a frame of a picture.
+// How a map shows states: the principal axes in a frame of a picture, and the colours of clips.
 #pragma once
 
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -46,5 +47,29 @@ class MapView {
 
 // "axis 1 (34 % of the variance)"
 std::string AxisCaption(const StateMap& map, int axis);
+
+enum class MapColouring { kByLabel, kByClip };
+
+// Gives labels or clips their colours, those of the plots of a recognition. Of more than 8, those
+// with most frames have colours, and the others are grey.
+class MapColours {
+ public:
+  MapColours(const StateMap& map, MapColouring colouring);
+
+  // Style names of a clip, by name: for points and areas, and for lines. Unknown clips are grey.
+  std::string FillStyle(const std::string& clip) const;
+  std::string LineStyle(const std::string& clip) const;
+
+  // Adds the styles of both.
+  static void AddStyles(Canvas& canvas);
+
+  std::vector<LegendEntry> Legend() const;
+
+ private:
+  std::map<std::string, int> place_of_clip_;
+  std::vector<std::string> names_;
+  int other_count_ = 0;
+  const char* kind_;
+};
 
 }  // namespace motiondb::client

@@ -14,8 +14,7 @@
 #include "client/cli/plot/picture.h"
 #include "client/cli/plot/recognition_plot_answer.h"
 #include "client/cli/plot/recognition_plot_areas.h"
-#include "client/cli/plot/recognition_plot_frame.h"
-#include "client/cli/plot/recognition_plot_labels.h"
+#include "client/cli/plot/recognition_plot_layout.h"
 #include "client/cli/terminal/print.h"
 
 namespace motiondb::client {

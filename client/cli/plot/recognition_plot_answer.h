@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/plot/recognition_plot_frame.h"
-#include "client/cli/plot/recognition_plot_labels.h"
+#include "client/cli/plot/recognition_plot_layout.h"
 
 namespace motiondb::client {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "client/cli/plot/recognition_plot_labels.h"
+#include "client/cli/plot/recognition_plot_layout.h"
 
 namespace motiondb::client {
 

@@ -6,7 +6,7 @@
 
 #include "client/cli/plot/picture.h"
 #include "client/cli/plot/recognition_plot_answer.h"
-#include "client/cli/plot/recognition_plot_frame.h"
+#include "client/cli/plot/recognition_plot_layout.h"
 
 namespace motiondb::client {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/cli/plot/picture.h"
-#include "client/cli/plot/recognition_plot_labels.h"
+#include "client/cli/plot/recognition_plot_layout.h"
 
 namespace motiondb::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "client/cli/plot/picture.h"
-#include "client/cli/plot/recognition_plot_frame.h"
+#include "client/cli/plot/recognition_plot_layout.h"
 #include "client/cli/plot/recognition_plot_profile.h"
 
 namespace motiondb::client {

@@ -1,4 +1,4 @@
-// The terminal behind a standard stream: its size, and styles of text on it.
+// The terminal behind a standard stream: its size, styles of text on it, and a progress bar.
 #pragma once
 
 #include <cstddef>
@@ -30,5 +30,27 @@ std::string Styled(Style style, std::string_view text);
 // become colours, or nothing. A text that contains marks itself, as one from a server can, changes
 // at most colours.
 std::string WithStyles(std::string_view text, bool has_colours);
+
+// A progress bar on standard error. Shows nothing if standard error is not a terminal.
+class ProgressBar {
+ public:
+  ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+  ~ProgressBar();  // clears the line
+
+  // Draws the bar with `fraction` (0 to 1) and the current activity.
+  void Show(double fraction, const std::string& activity);
+
+  // Removes the bar, so that other lines can be printed.
+  void Clear();
+
+ private:
+  const bool enabled_;
+  bool shown_ = false;
+};
+
+// Returns the line that Show draws, at most `columns` characters.
+std::string ProgressLine(double fraction, const std::string& activity, int columns);
 
 }  // namespace motiondb::client

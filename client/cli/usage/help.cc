@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/cli/terminal/print.h"
-#include "client/cli/usage/suggestion.h"
+#include "client/cli/usage/usage_error.h"
 
 namespace motiondb::client {
 namespace {

@@ -12,7 +12,7 @@
 #include "client/call_failure.h"
 #include "client/cli/annotate/annotation_text.h"
 #include "client/cli/resource_name.h"
-#include "client/cli/usage/suggestion.h"
+#include "client/cli/usage/usage_error.h"
 
 namespace motiondb::client {
 namespace {

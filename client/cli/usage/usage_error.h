@@ -1,8 +1,10 @@
-// Errors of the command line, and exit codes.
+// Errors of the command line, suggestions for misspelled words, and exit codes.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -38,5 +40,13 @@ std::vector<std::string> CommandNames(const CLI::App& command);
 // Returns the text of an error of the parser. An unknown command or option comes with the nearest
 // known one.
 std::string ParseErrorText(const CLI::App& program, const CLI::ParseError& error);
+
+// Returns the number of inserted, deleted, replaced and swapped adjacent bytes between two words
+// (optimal string alignment). O(length of a x length of b).
+std::size_t EditDistance(std::string_view a, std::string_view b);
+
+// Returns "; did you mean 'WORD'?" with the word of `known` nearest to `given`, ignoring case, or
+// an empty string if none is near: at most a third of its characters differ.
+std::string DidYouMean(const std::string& given, const std::vector<std::string>& known);
 
 }  // namespace motiondb::client

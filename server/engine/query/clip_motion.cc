@@ -7,13 +7,13 @@
 
 #include "core/format/urdf_reader.h"
 #include "core/motion/error.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/states.h"
-#include "core/view/clip_frames.h"
+#include "core/view/clip_picture.h"
 #include "server/engine/engine.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
-#include "server/engine/model_view.h"
+#include "server/engine/snapshot.h"
 #include "server/engine/source_reader.h"
 
 namespace motiondb::server {

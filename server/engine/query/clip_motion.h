@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/link_visual.h"
 #include "core/motion/matrix.h"
-#include "core/view/bones.h"
+#include "core/motion/robot.h"
+#include "core/view/clip_picture.h"
 #include "server/engine/representation.h"
 
 namespace motiondb::core {

@@ -13,7 +13,7 @@
 #include "core/kinematics/marker_kinematics.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/states.h"
 #include "server/engine/engine.h"
 #include "server/engine/ingest.h"

@@ -10,15 +10,33 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
+#include "core/motion/matrix.h"
 #include "core/motion/motion.h"
 #include "core/motion/states.h"
-#include "server/engine/query/packed_frames.h"
+#include "server/engine/database_caches.h"
 #include "server/engine/representation.h"
-#include "server/engine/skeleton_cache.h"
 
 namespace motiondb::server {
 
 class LiveDatabase;
+
+// Frames as packed in a request. Sizes are checked before memory is allocated. Errors are
+// INVALID_ARGUMENT naming the field and, if possible, the frame.
+struct PackedFrames {
+  int frame_count = 0;
+  std::string_view values;  // float32, little-endian, row-major
+};
+
+// Returns the matrix (frames x columns) in field `name` of the message `field`.
+absl::StatusOr<core::FrameMatrix> Unpack(std::string_view field, std::string_view name,
+                                         const PackedFrames& packed, int columns);
+
+absl::Status CheckFinite(std::string_view field, const core::FrameMatrix& frames);
+// Each marker (frames x 3 names) must be finite, or NaN in all three coordinates (missing).
+absl::Status CheckMarkers(std::string_view field, const std::vector<std::string>& names,
+                          const core::FrameMatrix& positions_m);
+// Marker names must be unique and not empty.
+absl::Status CheckUnique(std::string_view field, const std::vector<std::string>& names);
 
 struct ObservedFile {
   core::FileFormat format = core::FileFormat::kBvh;

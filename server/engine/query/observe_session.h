@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/observe/observer.h"
-#include "server/engine/query/packed_frames.h"
+#include "server/engine/query/observation.h"
 #include "server/engine/query/query.h"
 #include "server/engine/query/query_memory.h"
 #include "server/engine/snapshot.h"

@@ -3,7 +3,7 @@
 #include "core/kinematics/marker_kinematics.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
 #include "server/engine/ingest.h"
 #include "server/engine/query/plan_query.h"
 #include "server/engine/source_reader.h"

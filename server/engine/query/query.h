@@ -1,9 +1,9 @@
-// A query of one database. Uses the model that is current when it begins: converts the observation
-// to states, reserves the memory of the answer and calls core. Options are checked before anything
-// is computed. Keeps its database and its model alive.
+// Queries of one database, and series of predictions.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,11 +15,53 @@
 #include "core/recognition/recognize.h"
 #include "server/engine/engine.h"
 #include "server/engine/query/observation.h"
-#include "server/engine/query/prediction_series.h"
 #include "server/engine/representation.h"
 #include "server/engine/snapshot.h"
 
 namespace motiondb::server {
+
+struct SeriesOptions {
+  core::PredictOptions prediction;
+  // Time between two predictions: at least one frame of the database. Smaller steps would repeat
+  // the same prediction.
+  double every_seconds = 0;
+};
+
+// Returns INVALID_ARGUMENT, naming every_seconds, if the step is too small.
+absl::Status CheckStep(double every_seconds, double frame_rate_hz);
+
+// Predictions from successive moments of an observation, each computed on demand. Used by one
+// thread at a time; keeps its model alive.
+class PredictionSeries {
+ public:
+  // Predicts every options.every_seconds, from options.prediction.at_seconds to the last frame of
+  // the observation. Default start: history_seconds into the observation, or its end if that is
+  // earlier. INVALID_ARGUMENT for too many predictions in total; RESOURCE_EXHAUSTED.
+  static absl::StatusOr<std::shared_ptr<PredictionSeries>> Open(
+      std::shared_ptr<const Snapshot> snapshot, core::StateSequence observation,
+      const SeriesOptions& options, const WorkOptions& terms);
+
+  // Returns the next prediction; nullopt after the last. Codes as core::Predict;
+  // RESOURCE_EXHAUSTED.
+  absl::StatusOr<std::optional<core::Prediction>> Next();
+
+  const core::Model& model() const { return snapshot_->model; }
+  const Snapshot& snapshot() const { return *snapshot_; }
+
+ private:
+  PredictionSeries(std::shared_ptr<const Snapshot> snapshot, core::StateSequence observation,
+                   const SeriesOptions& options, const WorkOptions& terms, std::int64_t bytes);
+
+  const std::shared_ptr<const Snapshot> snapshot_;
+  const core::StateSequence observation_;
+  const WorkOptions terms_;
+  core::PredictOptions options_;
+  const double every_seconds_;
+  const double last_seconds_;
+  const double first_seconds_;
+  const std::int64_t bytes_;  // memory of one prediction, with the observation
+  int made_ = 0;
+};
 
 // What a query requires of the model, and which clips it uses.
 struct QueryScope {
@@ -33,6 +75,9 @@ struct SoughtMotion {
   core::TimeRange part;
 };
 
+// A query of one database. Uses the model that is current when it begins: converts the observation
+// to states, reserves the memory of the answer and calls core. Options are checked before anything
+// is computed. Keeps its database and its model alive.
 class Query {
  public:
   // `database`: id. The engine must outlive the query. NOT_FOUND; FAILED_PRECONDITION if the

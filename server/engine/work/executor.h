@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/tree/parallel.h"
+#include "core/motion/execution.h"
 
 namespace motiondb::server {
 

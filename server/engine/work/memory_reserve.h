@@ -9,7 +9,7 @@
 #pragma once
 
 #include "absl/status/status.h"
-#include "storage/allocations_may_fail.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::server {
 

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
 #include <memory>
-#include <utility>
 
-#include "server/engine/work/memory_reserve.h"
 #include "storage/mutex.h"
 
 namespace motiondb::server {

@@ -1,12 +1,14 @@
-// Parallel loops on a thread pool, and their cancellation.
+// Parallel loops on a thread pool, their cancellation and their exceptions.
 #pragma once
 
 #include <exception>
 #include <functional>
+#include <new>
 #include <utility>
 
-#include "core/motion/cancellation.h"
-#include "core/tree/parallel.h"
+#include "absl/status/status.h"
+#include "core/motion/execution.h"
+#include "server/engine/work/memory_reserve.h"
 
 namespace motiondb::server {
 
@@ -33,6 +35,23 @@ inline core::ParallelFor Stoppable(core::ParallelFor parallel, core::Cancelled s
     });
     if (stopped()) throw WorkStopped();
   };
+}
+
+// Runs work of a build or an update of a model, and converts exceptions to a status.
+template <typename Result, typename Work>
+Result WithoutExceptions(const Work& work) {
+  Result result;
+  try {
+    const AllocationsMayFail scope;
+    result = work();
+  } catch (const WorkStopped&) {
+    result = absl::CancelledError("stopped");
+  } catch (const std::bad_alloc&) {
+    result = absl::ResourceExhaustedError("not enough memory to build the model");
+  } catch (const std::exception& error) {
+    result = absl::InternalError(error.what());
+  }
+  return result;
 }
 
 }  // namespace motiondb::server

@@ -7,7 +7,6 @@
 #include <thread>
 #include <utility>
 
-#include "server/engine/work/concurrency_limiter.h"
 #include "server/engine/work/shared_loop.h"
 #include "server/engine/work/thread_pool.h"
 

@@ -1,6 +1,6 @@
 #include "storage/sql/connection/connection.h"
 
-#include "core/motion/error.h"
+#include <utility>
 
 namespace motiondb::storage {
 
@@ -44,5 +44,24 @@ absl::StatusOr<std::int64_t> Connection::QueryInteger(std::string_view sql) {
   if (!row) return core::NotFound("expected a row, got none from '{}'", sql);
   return statement.Integer(0);
 }
+
+absl::StatusOr<Transaction> Transaction::Begin(Connection& connection, Kind kind) {
+  // The object exists before BEGIN: it rolls back even if the statement fails after it began.
+  Transaction transaction(connection);
+  transaction.RollBack();
+  MOTIONDB_RETURN_IF_ERROR(connection.BeginTransaction(kind));
+  return transaction;
+}
+
+Transaction::Transaction(Transaction&& other) noexcept
+    : connection_(std::exchange(other.connection_, nullptr)) {}
+
+Transaction::~Transaction() {
+  if (connection_ != nullptr) RollBack();
+}
+
+void Transaction::RollBack() { connection_->RollBackTransaction(); }
+
+absl::Status Transaction::Commit() { return connection_->CommitTransaction(); }
 
 }  // namespace motiondb::storage

@@ -1,6 +1,6 @@
-// A connection to the database engine of a store. The tables (storage/sql) are written for this
-// interface, so that every store has the same rows and rules; an engine implements it. Only one
-// thread at a time may use a connection.
+// A connection to the database engine of a store, and its transactions. The tables (storage/sql)
+// are written for this interface, so that every store has the same rows and rules; an engine
+// implements it. Only one thread at a time may use a connection.
 //
 // The SQL of the tables is what SQLite and PostgreSQL have in common, with integers, reals, texts
 // (compared by bytes) and blobs.
@@ -10,9 +10,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/error.h"
 #include "storage/sql/connection/statement.h"
 
 namespace motiondb::storage {
@@ -67,7 +69,7 @@ class Connection {
   // Returns the number of rows that the last INSERT, UPDATE or DELETE changed.
   virtual int changes() const = 0;
 
-  // Transactions: see transaction.h, which uses them.
+  // See Transaction, which uses them.
   virtual absl::Status BeginTransaction(TransactionKind kind) = 0;
   virtual absl::Status CommitTransaction() = 0;
   // Does nothing if there is no transaction.
@@ -134,5 +136,52 @@ class Connection {
  private:
   friend class Statement;
 };
+
+// A transaction. The destructor rolls it back unless it was committed.
+class Transaction {
+ public:
+  using Kind = Connection::TransactionKind;
+
+  // The connection must outlive the transaction; the transaction must outlive its statements.
+  static absl::StatusOr<Transaction> Begin(Connection& connection, Kind kind);
+  Transaction(Transaction&& other) noexcept;
+  Transaction& operator=(Transaction&&) = delete;
+  ~Transaction();
+
+  // Returns when the changes are durable. After an error nothing was changed, unless the connection
+  // says that it does not know.
+  absl::Status Commit();
+
+ private:
+  explicit Transaction(Connection& connection) : connection_(&connection) {}
+  void RollBack();
+
+  Connection* connection_;  // null once moved from
+};
+
+inline const absl::Status& StatusOf(const absl::Status& status) { return status; }
+template <typename T>
+const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
+  return result.status();
+}
+
+// Runs work(Connection&), which returns a Status or StatusOr, in a transaction, which is rolled
+// back on an error. May run it again if it failed because of a concurrent transaction.
+template <typename Work>
+auto InTransaction(Connection& connection, Transaction::Kind kind, const Work& work)
+    -> std::invoke_result_t<Work, Connection&> {
+  using Result = std::invoke_result_t<Work, Connection&>;
+  const auto run = [&]() -> Result {
+    MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection, kind));
+    Result result = work(connection);
+    if (!StatusOf(result).ok()) return result;
+    MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
+    return result;
+  };
+  for (int attempts = 1;; ++attempts) {
+    Result result = run();
+    if (StatusOf(result).ok() || !connection.MayRunAgain(StatusOf(result), attempts)) return result;
+  }
+}
 
 }  // namespace motiondb::storage

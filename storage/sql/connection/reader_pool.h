@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "storage/motion_store.h"
 #include "storage/mutex.h"
 #include "storage/sql/connection/connection.h"

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/allocations_may_fail.h"
 #include "storage/cancellable_lock.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::storage {
 namespace {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "storage/mutex.h"
 #include "storage/sql/connection/connection.h"
 

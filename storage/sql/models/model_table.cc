@@ -1,18 +1,18 @@
 #include "storage/sql/models/model_table.h"
 
+#include <functional>
 #include <limits>
-#include <span>
 #include <utility>
 
-#include "core/model/extend_model.h"
+#include "core/model/model_builder.h"
 #include "core/motion/error.h"
 #include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
 #include "storage/clip_segments.h"
-#include "storage/sql/models/model_states.h"
-#include "storage/sql/tables/chunk_table.h"
+#include "storage/sql/models/model_clips.h"
 #include "storage/sql/tables/clip_table.h"
 #include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/operation_table.h"
 #include "storage/sql/tables/segment_table.h"
 
 namespace motiondb::storage {
@@ -236,6 +236,30 @@ absl::StatusOr<std::vector<ModelRecord>> SelectModels(Connection& connection,
     if (!found) return records;
     MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToModelRecord(connection, database, row));
   }
+}
+
+absl::Status CheckModelTerms(Connection& connection, const std::string& database,
+                             std::int64_t database_key, const ModelTerms& terms) {
+  MOTIONDB_RETURN_IF_ERROR(CheckFence(connection, database_key, terms.fence));
+  if (!terms.base_version) return absl::OkStatus();
+  const auto current = FindCurrentModel(connection, database, database_key);
+  if (!current.ok() && !absl::IsNotFound(current.status())) return current.status();
+  const int version = current.ok() ? current->version : 0;
+  if (version == *terms.base_version) return absl::OkStatus();
+  return absl::AbortedError(fmt::format(
+      "the model of database '{}' was computed from model {}, but the current one is {}", database,
+      *terms.base_version, version));
+}
+
+TransactionRunner Fenced(const TransactionRunner& write, const std::string& database,
+                         std::int64_t fence) {
+  return [&write, &database, fence](const std::function<absl::Status(Connection&)>& piece) {
+    return write([&](Connection& connection) -> absl::Status {
+      MOTIONDB_ASSIGN_OR_RETURN(const auto database_key, FindDatabase(connection, database));
+      MOTIONDB_RETURN_IF_ERROR(CheckFence(connection, database_key, fence));
+      return piece(connection);
+    });
+  };
 }
 
 }  // namespace motiondb::storage

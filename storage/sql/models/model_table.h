@@ -7,10 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "storage/motion_store.h"
+#include "storage/records.h"
 #include "storage/sql/connection/connection.h"
 #include "storage/sql/tables/chunk_table.h"
+#include "storage/sql/tables/deleted_databases.h"
 
 namespace motiondb::storage {
 
@@ -46,5 +49,15 @@ absl::StatusOr<ModelRecord> SelectModel(Connection& connection, const std::strin
 absl::StatusOr<std::vector<ModelRecord>> SelectModels(Connection& connection,
                                                       const std::string& database, int before,
                                                       int limit);
+
+// ABORTED if a condition of the terms is not met. `database_key`: found by FindDatabase in this
+// transaction.
+absl::Status CheckModelTerms(Connection& connection, const std::string& database,
+                             std::int64_t database_key, const ModelTerms& terms);
+
+// Runs pieces as `write`, each only if `fence` is not outdated (ModelTerms::fence). The arguments
+// must outlive the result.
+TransactionRunner Fenced(const TransactionRunner& write, const std::string& database,
+                         std::int64_t fence);
 
 }  // namespace motiondb::storage

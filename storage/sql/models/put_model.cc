@@ -8,7 +8,6 @@
 #include "storage/blob/model_codec.h"
 #include "storage/sql/models/model_clips.h"
 #include "storage/sql/models/model_table.h"
-#include "storage/sql/models/model_terms.h"
 #include "storage/sql/tables/change_feed.h"
 #include "storage/sql/tables/database_table.h"
 

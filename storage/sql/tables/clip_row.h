@@ -48,4 +48,13 @@ absl::Status UpdateAnnotations(Connection& connection, std::int64_t clip_key,
 std::string DescribeClip(const std::string& database, const std::string& clip);
 absl::Status NoClip(const std::string& database, const std::string& clip);
 
+// Sets byte_count, the size of the clip's blobs, and the row checksum of a clip from its stored
+// blobs.
+absl::Status UpdateByteCount(Connection& connection, std::int64_t clip_key);
+
+// Sets byte_count of all clips of older versions, which did not store it, in its own transactions
+// of 1,000 clips. If a chunk cannot be read, byte_count is 0. Other errors are ignored, so that the
+// store can be opened: those clips are counted at the next opening.
+void FillMissingByteCounts(Connection& connection);
+
 }  // namespace motiondb::storage

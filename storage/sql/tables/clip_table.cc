@@ -7,11 +7,11 @@
 #include "storage/blob/checksums.h"
 #include "storage/blob/clip_codec.h"
 #include "storage/clip_segments.h"
-#include "storage/sql/tables/build_lease_table.h"
 #include "storage/sql/tables/change_feed.h"
-#include "storage/sql/tables/clip_bytes.h"
+#include "storage/sql/tables/clip_row.h"
 #include "storage/sql/tables/clip_text.h"
 #include "storage/sql/tables/database_table.h"
+#include "storage/sql/tables/operation_table.h"
 #include "storage/sql/tables/segment_table.h"
 #include "storage/sql/tables/skeleton_table.h"
 

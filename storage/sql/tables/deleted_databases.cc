@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -13,7 +12,7 @@
 namespace motiondb::storage {
 namespace {
 
-constexpr std::int64_t kPieceBytes = 4 << 20;
+constexpr std::int64_t kFreedPieceBytes = 4 << 20;
 constexpr int kPieceRows = 256;
 constexpr std::int64_t kBeforeAll = std::numeric_limits<std::int64_t>::max();
 
@@ -123,12 +122,12 @@ class Freeing {
     return absl::OkStatus();
   }
 
-  // Frees up to `rows` chunks and rows from `place` on, at most about kPieceBytes. Returns false at
-  // the end.
+  // Frees up to `rows` chunks and rows from `place` on, at most about kFreedPieceBytes. Returns
+  // false at the end.
   absl::StatusOr<bool> FreePiece(Connection& connection, std::string_view table, int rows,
                                  Place& place) {
     std::int64_t bytes = 0;
-    for (; freed_rows_ < rows && bytes < kPieceBytes; ++freed_rows_) {
+    for (; freed_rows_ < rows && bytes < kFreedPieceBytes; ++freed_rows_) {
       if (place.owner_is_done) {
         MOTIONDB_ASSIGN_OR_RETURN(const bool found, FindOwner(connection, table, place));
         if (!found) return false;

@@ -1,14 +1,42 @@
 // Frees the disk space of deleted databases, a few megabytes per transaction.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <set>
 
 #include "absl/status/status.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
+#include "storage/mutex.h"
 #include "storage/sql/connection/connection.h"
-#include "storage/sql/tables/staged_databases.h"
 
 namespace motiondb::storage {
+
+// The databases that are being imported. They are hidden like deleted ones; a purge must leave
+// them. Thread-safe.
+class StagedDatabases {
+ public:
+  void Add(std::int64_t database_key) {
+    const MutexLock lock(mutex_);
+    keys_.insert(database_key);
+  }
+  void Remove(std::int64_t database_key) {
+    const MutexLock lock(mutex_);
+    keys_.erase(database_key);
+  }
+  bool Contains(std::int64_t database_key) {
+    const MutexLock lock(mutex_);
+    return keys_.contains(database_key);
+  }
+  bool IsEmpty() {
+    const MutexLock lock(mutex_);
+    return keys_.empty();
+  }
+
+ private:
+  Mutex mutex_;
+  std::set<std::int64_t> keys_ ABSL_GUARDED_BY(mutex_);
+};
 
 // Runs `piece` in its own write transaction, which is rolled back on an error.
 using TransactionRunner =

@@ -1,6 +1,8 @@
-// Rows of the table `operation`. The functions run in the caller's transaction.
+// Rows of the tables `operation` and `build_lease`: operations, and which server may run the builds
+// of a database. The functions run in the caller's transaction.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,5 +20,21 @@ absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connec
                                                               const std::string& before, int limit);
 // See MotionStore::ListUnfinishedOperations.
 absl::StatusOr<std::vector<OperationRecord>> SelectUnfinishedOperations(Connection& connection);
+
+// Rows of the table `build_lease`, at most one of each database; see MotionStore. In the caller's
+// transaction, FindDatabase has found the key of the database: it locks the database, so that
+// leases and models of it are stored one after another.
+
+// See MotionStore::AcquireBuildLease. `now_us`: by the clock of the store.
+absl::StatusOr<std::int64_t> AcquireLease(Connection& connection, std::int64_t database_key,
+                                          const std::string& holder, std::int64_t now_us,
+                                          std::int64_t expire_time_us);
+absl::Status RenewLease(Connection& connection, std::int64_t database_key, std::int64_t fence,
+                        std::int64_t expire_time_us);
+absl::Status ReleaseLease(Connection& connection, std::int64_t database_key, std::int64_t fence);
+
+// ABORTED if `fence` is lower than that of the last lease of the database, or of another database;
+// 0: it has had none.
+absl::Status CheckFence(Connection& connection, std::int64_t database_key, std::int64_t fence);
 
 }  // namespace motiondb::storage

@@ -11,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "storage/sql/connection/connection.h"
-#include "storage/sql/tables/copied_tables.h"
+#include "storage/sql/tables/table_lists.h"
 
 namespace motiondb::storage {
 

@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "client/cli/access_text.h"
+#include "client/cli/server_text.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "client/cli/file_formats.h"
+#include "client/cli/motion_file.h"
 #include "tests/client/cli/ingest_answers.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"

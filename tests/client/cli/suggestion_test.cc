@@ -1,8 +1,8 @@
-#include "client/cli/usage/suggestion.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
+
+#include "client/cli/usage/usage_error.h"
 
 namespace motiondb::tests::suggestion_test {
 namespace {

@@ -13,12 +13,11 @@
 #include <set>
 
 #include "client/cli/database_text.h"
-#include "client/cli/query/estimation_text.h"
-#include "client/cli/query/prediction_text.h"
 #include "client/cli/query/recognition_text.h"
+#include "client/cli/query/state_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
-#include "client/cli/terminal/progress_bar.h"
+#include "client/cli/terminal/terminal.h"
 #include "tests/support/packed_floats.h"
 
 namespace motiondb::tests::text_test {

@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/model/extend_model.h"
 #include "core/model/model_builder.h"
 #include "tests/support/synthetic_states.h"
 

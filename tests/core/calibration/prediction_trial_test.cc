@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "core/calibration/trials.h"
+#include "core/calibration/calibrate.h"
 #include "core/motion/states.h"
 #include "core/prediction/forecast.h"
 #include "core/prediction/predict.h"

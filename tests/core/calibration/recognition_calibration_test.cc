@@ -9,8 +9,6 @@
 #include <string>
 
 #include "core/calibration/calibrate.h"
-#include "core/calibration/held_out.h"
-#include "core/calibration/trials.h"
 #include "core/model/label_units.h"
 #include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "core/export/writers.h"
-#include "core/format/joint_table_reader.h"
+#include "core/format/readers.h"
 #include "tests/core/format/reading.h"
 #include "tests/core/format/some_points.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/format/joint_table_reader.h"
+#include "core/format/readers.h"
 #include "tests/core/format/reading.h"
 
 namespace motiondb::tests {

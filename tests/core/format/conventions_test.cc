@@ -3,8 +3,6 @@
 #include <array>
 #include <catch2/catch.hpp>
 
-#include "core/format/deduced_conventions.h"
-
 namespace motiondb::tests::conventions_test {
 
 using core::FileFormat;

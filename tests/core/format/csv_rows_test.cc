@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "core/format/joint_table_reader.h"
+#include "core/format/readers.h"
 #include "tests/core/format/biped_table.h"
 #include "tests/core/format/reading.h"
 

@@ -1,6 +1,4 @@
 // Tables of a robot's joints: round trips of WriteJointTable, and the layouts of public datasets.
-#include "core/format/joint_table_reader.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -11,6 +9,7 @@
 #include <random>
 
 #include "core/export/writers.h"
+#include "core/format/readers.h"
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/biped_table.h"
 #include "tests/core/format/odd_robot.h"

@@ -4,7 +4,7 @@
 
 #include "core/format/marker_set_file.h"
 #include "core/format/urdf_reader.h"
-#include "core/motion/marker_rules.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/states.h"
 #include "tests/core/format/reading.h"
 #include "tests/support/real_data.h"

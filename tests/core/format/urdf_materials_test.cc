@@ -1,6 +1,4 @@
 // The colours of a robot's visual shapes.
-#include "core/format/urdf_materials.h"
-
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -8,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/format/urdf_elements.h"
 #include "tests/core/format/odd_robot.h"
 #include "tests/support/real_data.h"
 

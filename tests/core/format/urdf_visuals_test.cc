@@ -1,6 +1,4 @@
 // The visual shapes of a robot's links.
-#include "core/format/urdf_visuals.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/format/urdf_elements.h"
 #include "tests/core/format/odd_robot.h"
 #include "tests/support/real_data.h"
 

@@ -1,10 +1,10 @@
-#include "core/graph/generation.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
+
+#include "core/graph/transition_graph.h"
 
 namespace motiondb::tests::generation_test {
 namespace {

@@ -4,8 +4,6 @@
 #include <map>
 #include <random>
 
-#include "core/graph/generation.h"
-
 namespace motiondb::tests::transition_graph_test {
 namespace {
 

@@ -6,7 +6,6 @@
 
 #include "core/format/marker_set_file.h"
 #include "core/mapping/fit_scheme.h"
-#include "core/mapping/found_roles.h"
 #include "core/motion/states.h"
 #include "tests/core/mapping/convention_body.h"
 #include "tests/core/mapping/conventions/skeleton_conventions.h"

@@ -1,5 +1,3 @@
-#include "core/model/extend_model.h"
-
 #include <catch2/catch.hpp>
 
 #include "core/model/model_builder.h"

@@ -1,5 +1,3 @@
-#include "core/model/frame_pairs.h"
-
 #include <catch2/catch.hpp>
 #include <limits>
 #include <set>

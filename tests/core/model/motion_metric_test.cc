@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "core/model/frame_pairs.h"
 #include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
 #include "tests/support/synthetic_states.h"

@@ -1,8 +1,8 @@
-#include "core/model/prediction_confidence.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+
+#include "core/model/answer_calibration.h"
 
 namespace motiondb::tests::prediction_confidence_test {
 namespace {

@@ -1,10 +1,9 @@
-#include "core/motion/floor_level.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/format/marker_set_file.h"
+#include "core/motion/motion_floor.h"
 #include "core/motion/states.h"
 
 namespace motiondb::tests::floor_level_test {

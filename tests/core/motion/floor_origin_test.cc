@@ -1,10 +1,9 @@
 // A motion far from the origin has the states of the motion at the origin.
-#include "core/motion/floor_origin.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 
+#include "core/motion/motion_floor.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core::floor_origin_test {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/kinematics/marker_kinematics.h"
+#include "core/planning/goal.h"
 #include "core/planning/plan.h"
-#include "core/planning/root_correction.h"
 #include "tests/core/planning/flat_footed_robot.h"
 #include "tests/core/planning/walking_database.h"
 

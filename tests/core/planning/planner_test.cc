@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/planning/goal.h"
 #include "core/planning/plan.h"
-#include "core/planning/root_correction.h"
 #include "tests/core/planning/flat_footed_robot.h"
 #include "tests/core/planning/walking_database.h"
 

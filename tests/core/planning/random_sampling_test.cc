@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/planning/root_correction.h"
+#include "core/planning/goal.h"
 #include "tests/core/planning/walking_database.h"
 
 namespace motiondb::core::random_sampling_test {

@@ -1,8 +1,7 @@
-#include "core/planning/root_correction.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/planning/goal.h"
 #include "core/planning/seeded.h"
 
 namespace motiondb::core::root_correction_test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/planning/root_correction.h"
+#include "core/planning/goal.h"
 #include "core/planning/seeded.h"
 #include "tests/core/planning/walking_database.h"
 

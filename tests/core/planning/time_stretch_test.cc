@@ -7,7 +7,6 @@
 #include <random>
 
 #include "core/motion/forward_kinematics.h"
-#include "core/planning/joint_path.h"
 #include "core/planning/plan.h"
 #include "tests/core/planning/flat_footed_robot.h"
 #include "tests/core/planning/walking_database.h"

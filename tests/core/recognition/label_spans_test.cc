@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "core/graph/generation.h"
+#include "core/graph/transition_graph.h"
 #include "core/inference/lattice.h"
 #include "core/model/label_units.h"
 #include "core/recognition/clip_alignment.h"

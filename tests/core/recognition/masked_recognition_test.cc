@@ -7,10 +7,10 @@
 #include <numeric>
 #include <set>
 
-#include "core/graph/generation.h"
+#include "core/graph/transition_graph.h"
 #include "core/inference/lattice.h"
 #include "core/model/clip_graphs.h"
-#include "core/model/frame_pairs.h"
+#include "core/model/label_units.h"
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/recognize.h"

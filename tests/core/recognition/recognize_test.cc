@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "core/graph/generation.h"
+#include "core/graph/transition_graph.h"
 #include "core/inference/observation.h"
 #include "tests/support/synthetic_states.h"
 

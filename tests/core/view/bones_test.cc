@@ -1,5 +1,3 @@
-#include "core/view/bones.h"
-
 #include <catch2/catch.hpp>
 #include <limits>
 #include <numeric>
@@ -7,6 +5,7 @@
 #include <set>
 
 #include "core/model/model.h"
+#include "core/view/clip_picture.h"
 #include "tests/core/planning/walking_figure.h"
 #include "tests/support/synthetic_states.h"
 

@@ -1,12 +1,11 @@
 // What a picture shows of the frames of a clip: joints and standing feet.
-#include "core/view/clip_frames.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/format/motion_file.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/motion/states.h"
+#include "core/view/clip_picture.h"
 #include "tests/core/planning/walking_figure.h"
 #include "tests/support/stick_figure.h"
 

@@ -1,6 +1,4 @@
 // Oracle: exhaustive statistics of the frames of each node.
-#include "core/view/node_summary.h"
-
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 #include <map>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "core/model/model.h"
+#include "core/view/state_axes.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests::node_summary_test {

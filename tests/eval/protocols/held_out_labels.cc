@@ -6,8 +6,8 @@
 #include <limits>
 #include <set>
 
-#include "core/model/even_spread.h"
 #include "core/motion/error.h"
+#include "core/motion/samples.h"
 #include "tests/eval/observations.h"
 #include "tests/eval/statistics/auroc.h"
 #include "tests/eval/statistics/calibration.h"

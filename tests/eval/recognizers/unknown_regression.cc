@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/calibration/unknown_regression.h"
+#include "core/calibration/recognition_fit.h"
 
 namespace motiondb::tests {
 namespace {

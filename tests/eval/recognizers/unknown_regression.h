@@ -23,7 +23,7 @@ struct UnknownRegression {
 // scores, and an unknown sample without the score of its own label. If the fold did not learn its
 // label, it is only an unknown sample.
 //
-// Fitted by the regression of the database (core/calibration/unknown_regression.h).
+// Fitted by the regression of the database (core/calibration/recognition_fit.h).
 std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOut>& held_out,
                                                       double temperature);
 

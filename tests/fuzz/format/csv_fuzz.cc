@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/format/joint_table_reader.h"
+#include "core/format/readers.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"
 #include "tests/fuzz/support/properties.h"

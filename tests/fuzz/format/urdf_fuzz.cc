@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "core/export/writers.h"
+#include "core/format/urdf_elements.h"
 #include "core/format/urdf_reader.h"
-#include "core/format/urdf_visuals.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"
 #include "tests/fuzz/support/properties.h"

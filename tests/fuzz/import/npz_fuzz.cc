@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/export/little_endian.h"
+#include "core/export/file_bytes.h"
 #include "import/npz/npz_reader.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"

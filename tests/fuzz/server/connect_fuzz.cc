@@ -1,9 +1,8 @@
 // Bodies of the HTTP API. The first byte selects the reader of the rest: an envelope, gzip data, or
 // JSON of a request, which must be equal after a conversion to protobuf and back.
 #include "motiondb/v1/query.pb.h"
-#include "server/gateway/envelope.h"
-#include "server/gateway/gzip.h"
-#include "server/gateway/json_codec.h"
+#include "server/gateway/connect_json.h"
+#include "server/gateway/content_encoding.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/properties.h"
 

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "tests/fuzz/server/answer_properties.h"
 
 namespace motiondb::tests {

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "core/motion/forward_kinematics.h"
-#include "import/scene/fbx_layers.h"
+#include "import/scene/scene_file.h"
 #include "tests/import/imported.h"
 #include "tests/import/scene/scene_files.h"
 

@@ -1,6 +1,4 @@
 // Heavy work never uses all threads.
-#include "server/engine/work/concurrency_limiter.h"
-
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -11,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/work/thread_pool.h"
 #include "server/engine/work/workers.h"
 
 namespace motiondb::server::concurrency_limiter_test {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "core/calibration/held_out.h"
+#include "core/calibration/calibrate.h"
 #include "core/recognition/recognize.h"
 #include "server/engine/compute_model.h"
 #include "server/engine/snapshot.h"

@@ -1,6 +1,6 @@
-#include "server/engine/file_names.h"
-
 #include <catch2/catch.hpp>
+
+#include "server/engine/ingest_rules.h"
 
 namespace motiondb::server::file_names_test {
 namespace {

@@ -1,6 +1,6 @@
-#include "server/engine/missed_build.h"
-
 #include <catch2/catch.hpp>
+
+#include "server/engine/build_lease.h"
 
 namespace motiondb::server::missed_build_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/engine/query/state_map.h"
+#include "server/engine/query/model_query.h"
 #include "server/engine/snapshot.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/test_engine.h"

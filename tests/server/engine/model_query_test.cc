@@ -9,7 +9,6 @@
 
 #include "core/model/model.h"
 #include "core/motion/error.h"
-#include "server/engine/query/state_map.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests::model_query_test {

@@ -1,7 +1,7 @@
-#include "server/engine/query/packed_frames.h"
-
 #include <catch2/catch.hpp>
 #include <limits>
+
+#include "server/engine/query/observation.h"
 
 namespace motiondb::server::packed_frames_test {
 namespace {

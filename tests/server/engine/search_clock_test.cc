@@ -1,7 +1,7 @@
-#include "server/engine/query/search_clock.h"
-
 #include <catch2/catch.hpp>
 #include <thread>
+
+#include "server/engine/query/plan_query.h"
 
 namespace motiondb::server::search_clock_test {
 namespace {

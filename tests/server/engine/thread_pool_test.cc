@@ -17,7 +17,6 @@
 #include <thread>
 #include <vector>
 
-#include "server/engine/work/concurrency_limiter.h"
 #include "server/engine/work/memory_reserve.h"
 
 namespace motiondb::server::thread_pool_test {

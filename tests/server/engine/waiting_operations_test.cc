@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/corruption_log.h"
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
+#include "server/engine/operator_log.h"
 #include "server/engine/work/operation_registry.h"
 #include "server/engine/work/options.h"
 #include "storage/blob/newer_format.h"

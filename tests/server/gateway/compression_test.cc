@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "server/gateway/gzip.h"
+#include "server/gateway/content_encoding.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"
 

@@ -1,6 +1,4 @@
 // The HTTP server over real sockets: proper clients, and slow or hostile ones.
-#include "server/observability/http_server.h"
-
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -12,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/observability/health_server.h"
 #include "tests/server/observability/http_client.h"
 #include "tests/support/awaited_log.h"
 

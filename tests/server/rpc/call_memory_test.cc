@@ -1,9 +1,9 @@
-#include "server/rpc/call_memory.h"
-
 #include <catch2/catch.hpp>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "server/rpc/call_limits.h"
 
 namespace motiondb::server::call_memory_test {
 namespace {

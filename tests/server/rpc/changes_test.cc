@@ -10,7 +10,7 @@
 #include "motiondb/v1/access.grpc.pb.h"
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
-#include "server/security/role_table.h"
+#include "server/security/authorize.h"
 #include "tests/server/rpc/limited_server.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/while_writing.h"

@@ -11,7 +11,7 @@
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
-#include "server/security/role_table.h"
+#include "server/security/authorize.h"
 #include "tests/server/rpc/limited_server.h"
 #include "tests/server/rpc/refusal.h"
 #include "tests/support/test_server.h"

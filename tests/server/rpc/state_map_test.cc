@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/view/node_summary.h"
+#include "core/view/state_axes.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/model.grpc.pb.h"
 #include "motiondb/v1/segment.grpc.pb.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/engine/work/clock.h"
-#include "server/security/secret.h"
+#include "server/security/token_registry.h"
 #include "server/translate/status_mapping.h"
 #include "tests/storage/conformance/in_memory_access_store.h"
 #include "tests/support/captured_log.h"

@@ -14,7 +14,7 @@
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/store.pb.h"
-#include "server/security/role_table.h"
+#include "server/security/authorize.h"
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
 

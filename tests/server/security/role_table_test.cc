@@ -1,7 +1,5 @@
 // Compares the role table with the .proto files: every RPC has a row, every row has an RPC, and the
 // fields of all rows exist.
-#include "server/security/role_table.h"
-
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
 
@@ -15,6 +13,7 @@
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/rpc/call_identity.h"
+#include "server/security/authorize.h"
 #include "server/translate/message_fields.h"
 #include "tests/support/project_paths.h"
 #include "tests/support/real_data.h"

@@ -1,10 +1,9 @@
-#include "server/security/secret.h"
-
 #include <catch2/catch.hpp>
 #include <set>
 #include <string>
 
 #include "absl/strings/escaping.h"
+#include "server/security/token_registry.h"
 
 namespace motiondb::tests::secret_test {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "motiondb/v1/access.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
-#include "server/security/key_pair.h"
+#include "server/security/operator_files.h"
 #include "server/server.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/awaited_log.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/extend_model.h"
+#include "core/model/model_builder.h"
 #include "tests/storage/faults/store_pages.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "storage/sqlite/log_reader.h"
+#include "storage/sqlite/opening_check.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"

@@ -1,12 +1,11 @@
 // Free disk space below the reserve: additions are refused, other changes succeed.
-#include "storage/sqlite/disk_reserve.h"
-
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <string>
 
 #include "storage/blob/model_codec.h"
 #include "storage/sql/tables/added_bytes.h"
+#include "storage/sqlite/store_disk.h"
 #include "tests/storage/backup_bytes.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

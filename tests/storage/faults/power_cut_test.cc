@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/extend_model.h"
+#include "core/model/model_builder.h"
 #include "tests/storage/backup_bytes.h"
 #include "tests/storage/faults/fault_run.h"
 #include "tests/storage/old_store.h"

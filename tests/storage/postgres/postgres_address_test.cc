@@ -1,11 +1,8 @@
 // URLs, SQL, texts and errors of PostgreSQL; needs no server.
-#include "storage/postgres/postgres_address.h"
-
 #include <catch2/catch.hpp>
 
-#include "storage/postgres/postgres_error.h"
-#include "storage/postgres/postgres_sql.h"
-#include "storage/postgres/postgres_text.h"
+#include "storage/postgres/postgres_connector.h"
+#include "storage/postgres/postgres_conversion.h"
 #include "storage/postgres/text_search.h"
 #include "storage/store_url.h"
 #include "tests/storage/require_ok.h"

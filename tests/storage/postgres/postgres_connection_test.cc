@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "core/motion/error.h"
-#include "storage/sql/connection/transaction.h"
+#include "storage/sql/connection/connection.h"
 #include "storage/store_url.h"
 #include "tests/storage/postgres/postgres_cluster.h"
 #include "tests/storage/require_ok.h"

@@ -1,11 +1,15 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import { arrowOf } from '../dom/arrow_keys';
+import { arrowOf } from '../dom/keyboard';
 import { element } from '../dom/element';
 import type { ThemeSwitch } from '../shell/theme';
-import { zoomByKeys } from './chart_keys';
-import { zoomByTouch } from './chart_pinch';
-import { rangeInside, type ChartRange, type ZoomTarget } from './chart_range';
+import {
+  zoomByKeys,
+  zoomByTouch,
+  rangeInside,
+  type ChartRange,
+  type ZoomTarget,
+} from './chart_zoom';
 
 export interface ChartLine {
   name: string;

@@ -1,6 +1,6 @@
 import { button, element, labelled, selectOf } from '../dom/element';
 import { clock as clockText } from '../dom/format';
-import { readChoice, storeChoice } from '../dom/stored_choice';
+import { readChoice, storeChoice } from '../dom/browser_storage';
 import type { PlaybackClock } from './playback_clock';
 
 // While the motion plays, text and slider follow it at this interval.

@@ -1,5 +1,5 @@
 import { CircleGeometry, Color, InstancedMesh, Matrix4, MeshBasicMaterial } from 'three';
-import { sideOf, type BodySide } from './body_side';
+import { sideOf, type BodySide } from './figure_shape';
 import type { Scene } from './scene';
 
 const kRadiusM = 0.09;

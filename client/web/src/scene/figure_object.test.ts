@@ -3,7 +3,7 @@ import { expect, test, vi } from 'vitest';
 import { ContactObject } from './contact_object';
 import { FigureObject } from './figure_object';
 import { FloorObject } from './floor_object';
-import { linkRadii } from './link_radii';
+import { linkRadii } from './figure_shape';
 import { instancedMeshes, testScene } from './test_scene';
 import { TrailObject } from './trail_object';
 import { VisualObject } from './visual_object';

@@ -9,8 +9,7 @@ import {
   Quaternion,
   Vector3,
 } from 'three';
-import { sideOf } from './body_side';
-import { linkRadii, type LinkRadii } from './link_radii';
+import { sideOf, linkRadii, type LinkRadii } from './figure_shape';
 import type { Scene } from './scene';
 
 export interface FigurePoints {

@@ -1,8 +1,8 @@
 import { expect, test } from 'vitest';
-import { sideOf } from './body_side';
+import { sideOf } from './figure_shape';
 import { footPoints } from './contact_object';
 import { extentOf, floorLines } from './floor_object';
-import { percentile } from './frame_statistics';
+import { percentile } from './scene';
 import { fillTrails } from './trail_object';
 
 test('knows the side of common names', () => {

@@ -2,8 +2,14 @@ import { create } from '@bufbuild/protobuf';
 import { Color, Vector3, type InstancedMesh } from 'three';
 import { expect, test } from 'vitest';
 import { FigureSchema, LinkVisualSchema, VisualGeometry, type LinkVisual } from '../api/messages';
-import { floatBytes } from '../drawing/float_bytes';
-import { copyFrames, copyRotations, createMotion, frameOf, rotationsOf } from '../motion/motion';
+import {
+  floatBytes,
+  copyFrames,
+  copyRotations,
+  createMotion,
+  frameOf,
+  rotationsOf,
+} from '../motion/motion';
 import { instancedMeshes, testScene } from './test_scene';
 import { bonesWithoutVisuals, VisualObject } from './visual_object';
 

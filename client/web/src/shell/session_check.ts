@@ -3,7 +3,7 @@ import type { Connection } from '../api/connection';
 import type { Traffic } from '../api/server_fetch';
 import { readSession, type Session } from '../api/session';
 import { Disposer } from '../dom/disposer';
-import { poll } from '../dom/poller';
+import { poll } from '../watch/waiting';
 
 const kCheckMilliseconds = 3000;
 

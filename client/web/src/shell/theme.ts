@@ -1,4 +1,4 @@
-import { readChoice, storeChoice } from '../dom/stored_choice';
+import { readChoice, storeChoice } from '../dom/browser_storage';
 
 export type ThemeName = 'light' | 'dark';
 

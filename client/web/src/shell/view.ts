@@ -1,7 +1,7 @@
 import type { Api } from '../api/api';
 import type { Connection } from '../api/connection';
 import type { Session } from '../api/session';
-import type { MotionCache } from '../motion/motion_cache';
+import type { MotionCache } from '../motion/motion_reader';
 import type { Place } from './place';
 import type { ThemeSwitch } from './theme';
 

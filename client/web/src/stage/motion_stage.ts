@@ -1,4 +1,4 @@
-import { element } from '../dom/element';
+import { element, labelled } from '../dom/element';
 import { frameAt, frameOf, rotationsOf, type Motion } from '../motion/motion';
 import { ContactObject } from '../scene/contact_object';
 import { FigureObject } from '../scene/figure_object';
@@ -218,4 +218,28 @@ export function centerOf(positions: Float32Array): [number, number] | undefined 
     ++count;
   }
   return count === 0 ? undefined : [x / count, y / count];
+}
+
+const kPartTexts: Record<StagePart, string> = {
+  markers: 'Markers',
+  joints: 'Recorded skeleton',
+  contacts: 'Contacts',
+  trails: 'Trails',
+  follow: 'Follow camera',
+};
+
+// Check boxes of what a stage draws.
+export function partChoices(
+  shown: readonly StagePart[],
+  change: (part: StagePart, on: boolean) => void,
+): HTMLElement {
+  const group = element('div', { class: 'row', role: 'group', 'aria-label': 'Shown parts' });
+  for (const part of kStageParts) {
+    const box = element('input', { type: 'checkbox', checked: shown.includes(part) });
+    box.addEventListener('change', () => {
+      change(part, box.checked);
+    });
+    group.append(labelled(kPartTexts[part], box, { class: 'field inline' }));
+  }
+  return group;
 }

@@ -1,7 +1,7 @@
 import { element, replaceChildren } from '../dom/element';
-import { keepFocus } from '../dom/focus';
+import { keepFocus } from '../dom/keyboard';
 import { clock as clockText } from '../dom/format';
-import { labelClass } from './label_color';
+import { labelClass } from '../drawing/labels';
 import { moveEdge, ticksOf, tracksOf, type Edge, type TimeRange } from './segment_edit';
 import type { StoredSegment } from './segment_store';
 

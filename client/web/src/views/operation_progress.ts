@@ -5,8 +5,7 @@ import { OperationState, type Operation } from '../api/messages';
 import { element } from '../dom/element';
 import { percent } from '../dom/format';
 import { Notice } from '../dom/notice';
-import { pause } from '../watch/pause';
-import { whileVisible } from '../watch/visibility';
+import { pause, whileVisible } from '../watch/waiting';
 
 const kWaitMilliseconds = 700;
 

@@ -2,7 +2,7 @@ import { Code, ConnectError } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../api/api';
 import { watchDatabase } from './database_watch';
-import { pause } from './pause';
+import { pause } from './waiting';
 import { setHidden } from './test_visibility';
 
 beforeEach(() => {

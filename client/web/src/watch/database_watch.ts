@@ -1,10 +1,11 @@
 import { Code } from '@connectrpc/connect';
 import type { Api } from '../api/api';
-import { hasCode } from '../api/errors';
+import type { Connection } from '../api/connection';
+import { hasCode, describeError, isConnectionLost } from '../api/errors';
 import type { WatchDatabaseResponse } from '../api/messages';
 import { databaseName } from '../api/resource_names';
-import { pause } from './pause';
-import { whileVisible } from './visibility';
+import { Notice } from '../dom/notice';
+import { pause, whileVisible } from './waiting';
 
 const kRetryMilliseconds = 2000;
 
@@ -76,4 +77,35 @@ function isFinal(error: unknown): boolean {
     Code.PermissionDenied,
     Code.Unauthenticated,
   );
+}
+
+// Shows why the changes of other clients do not arrive, until they arrive again.
+export class WatchNotice implements WatchObserver {
+  private readonly notice = new Notice();
+  private shown = '';
+
+  constructor(private readonly connection: Connection) {}
+
+  get node(): HTMLElement {
+    return this.notice.node;
+  }
+
+  failed(error: unknown): void {
+    this.connection.failed(error);
+    // The shell shows these.
+    if (isConnectionLost(error) || hasCode(error, Code.Unauthenticated)) {
+      this.works();
+      return;
+    }
+    const text = `Changes of others are not shown: ${describeError(error)?.message ?? ''}`;
+    // Otherwise screen readers say it again at each attempt.
+    if (text === this.shown) return;
+    this.shown = text;
+    this.notice.message(text);
+  }
+
+  works(): void {
+    this.shown = '';
+    this.notice.clear();
+  }
 }

@@ -2,8 +2,7 @@ import { Code, ConnectError } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../api/api';
 import { Connection } from '../api/connection';
-import { watchDatabase } from './database_watch';
-import { WatchNotice } from './watch_notice';
+import { watchDatabase, WatchNotice } from './database_watch';
 
 beforeEach(() => {
   vi.useFakeTimers();

@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "absl/base/thread_annotations.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "tests/simulation/world.h"
 
 namespace motiondb::storage {

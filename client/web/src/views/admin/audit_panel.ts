@@ -1,6 +1,6 @@
 import { Code } from '@connectrpc/connect';
 import type { AuditEntry } from '../../api/messages';
-import { NewestCall } from '../../api/newest_call';
+import { NewestCall } from '../../api/connection';
 import type { Disposer } from '../../dom/disposer';
 import { button, element, replaceChildren } from '../../dom/element';
 import { count, time } from '../../dom/format';

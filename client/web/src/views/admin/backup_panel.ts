@@ -1,7 +1,7 @@
 import { readDatabaseIds } from '../../api/lists';
 import { databaseName } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
-import { downloadBytes } from '../../dom/download';
+import { downloadBytes } from '../../dom/files';
 import { button, element, labelled } from '../../dom/element';
 import { bytes } from '../../dom/format';
 import { Notice } from '../../dom/notice';

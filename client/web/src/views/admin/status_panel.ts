@@ -3,15 +3,14 @@ import { lastPart } from '../../api/resource_names';
 import { LineChart, type ChartLine } from '../../chart/line_chart';
 import type { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/focus';
+import { keepFocus } from '../../dom/keyboard';
 import { bytes, count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
-import { poll } from '../../dom/poller';
+import { poll } from '../../watch/waiting';
 import { tableOf } from '../../dom/table';
 import { hrefOf } from '../../shell/place';
 import type { ViewContext } from '../../shell/view';
-import { statusFacts } from './status_facts';
-import { StatusHistory } from './status_history';
+import { statusFacts, StatusHistory } from './status_values';
 
 const kPollMilliseconds = 2000;
 

@@ -4,7 +4,7 @@ import { databaseName, lastPart } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
 import { button, element, labelled, replaceChildren, selectOf } from '../../dom/element';
 import { time } from '../../dom/format';
-import { keepFocus } from '../../dom/focus';
+import { keepFocus } from '../../dom/keyboard';
 import { Notice } from '../../dom/notice';
 import { tableOf } from '../../dom/table';
 import type { ViewContext } from '../../shell/view';

@@ -2,29 +2,25 @@ import '../../style/clip.css';
 import { Code } from '@connectrpc/connect';
 import { hasCode } from '../../api/errors';
 import type { Clip, WatchDatabaseResponse } from '../../api/messages';
-import { NewestCall } from '../../api/newest_call';
+import { NewestCall } from '../../api/connection';
 import { clipName, isClipId } from '../../api/resource_names';
 import { mayActAs } from '../../api/session';
 import { Disposer } from '../../dom/disposer';
 import { button, element } from '../../dom/element';
 import { Notice } from '../../dom/notice';
 import { durationOf, type Motion } from '../../motion/motion';
-import { driveClock } from '../../player/clock_driver';
-import { PlaybackClock } from '../../player/playback_clock';
+import { driveClock, PlaybackClock } from '../../player/playback_clock';
 import { PlayerControls, speedOf } from '../../player/player_controls';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
-import { kStageParts, type StagePart } from '../../stage/motion_stage';
+import { kStageParts, type StagePart, partChoices } from '../../stage/motion_stage';
 import { ContactRibbon } from '../../timeline/contact_ribbon';
 import { SegmentPanel } from '../../timeline/segment_panel';
-import { watchDatabase } from '../../watch/database_watch';
-import { WatchNotice } from '../../watch/watch_notice';
+import { watchDatabase, WatchNotice } from '../../watch/database_watch';
 import { OperationProgress } from '../operation_progress';
 import { ClipProperties } from './clip_properties';
 import { ComparePanel } from './compare_panel';
 import { CurvePanel } from './curve_panel';
-import { mayHaveNewMotion } from './motion_change';
-import { MotionPane } from './motion_pane';
-import { partChoices } from './part_choices';
+import { mayHaveNewMotion, MotionPane } from './motion_pane';
 
 // Player of a clip, with its segments and curves.
 export const open: OpenView = (host, context, params) => {

@@ -2,7 +2,7 @@ import { Code } from '@connectrpc/connect';
 import { hasCode } from '../../api/errors';
 import { readClipIds } from '../../api/lists';
 import type { Clip, WatchDatabaseResponse } from '../../api/messages';
-import { NewestCall } from '../../api/newest_call';
+import { NewestCall } from '../../api/connection';
 import { clipName } from '../../api/resource_names';
 import type { Disposer } from '../../dom/disposer';
 import { button, element, labelled, offerNames } from '../../dom/element';
@@ -11,8 +11,7 @@ import { alignmentOffset } from '../../motion/alignment';
 import type { PlaybackClock } from '../../player/playback_clock';
 import type { ViewContext, ViewParams } from '../../shell/view';
 import { kStageParts, type StagePart } from '../../stage/motion_stage';
-import { mayHaveNewMotion } from './motion_change';
-import { MotionPane } from './motion_pane';
+import { mayHaveNewMotion, MotionPane } from './motion_pane';
 
 // A second clip beside the first, shown at the same time plus an offset.
 export class ComparePanel {

@@ -1,10 +1,10 @@
 import type { Clip } from '../../api/messages';
 import { lastPart } from '../../api/resource_names';
 import { button, element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/focus';
+import { keepFocus } from '../../dom/keyboard';
 import { count, seconds, time } from '../../dom/format';
 import { hrefOf } from '../../shell/place';
-import { labelClass } from '../../timeline/label_color';
+import { labelClass } from '../../drawing/labels';
 import { nextOrder, sortDirection } from './clip_list_state';
 import type { Thumbnails } from './thumbnail';
 

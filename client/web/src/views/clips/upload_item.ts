@@ -1,10 +1,10 @@
 import { Code } from '@connectrpc/connect';
 import { describeError, hasCode } from '../../api/errors';
 import type { Operation, UploadClipResponse } from '../../api/messages';
-import { NewestCall } from '../../api/newest_call';
+import { NewestCall } from '../../api/connection';
 import { databaseName, lastPart } from '../../api/resource_names';
 import { button, element, labelled } from '../../dom/element';
-import { readFile } from '../../dom/file_bytes';
+import { readFile } from '../../dom/files';
 import { seconds } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import { hrefOf } from '../../shell/place';

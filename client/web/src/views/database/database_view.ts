@@ -3,23 +3,20 @@ import { DatabaseView } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/focus';
+import { keepFocus } from '../../dom/keyboard';
 import { percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { View, ViewContext, ViewParams } from '../../shell/view';
-import { watchDatabase } from '../../watch/database_watch';
-import { WatchNotice } from '../../watch/watch_notice';
-import { AxisEnds } from './axis_ends';
+import { watchDatabase, WatchNotice } from '../../watch/database_watch';
+import { AxisEnds, NodePoses } from './node_poses';
 import { labelTable, layerTable, propertiesTable } from './database_table';
 import { MapControls } from './map_controls';
-import { MapLegend } from './map_legend';
-import { loadMap } from './map_loader';
+import { MapLegend } from './map_colors';
+import { loadMap, type StateMap } from './state_map';
 import { MapPanel } from './map_panel';
 import { queryOf, settingsOf, type MapSettings } from './map_settings';
 import { NodeList } from './node_list';
 import { describeNode, NodePanel, showOldModel, showPoseError } from './node_panel';
-import { NodePoses } from './node_poses';
-import type { StateMap } from './state_map';
 
 const kMaxPoints = 20_000;
 

@@ -4,7 +4,7 @@ import type { Api } from '../../api/api';
 import type { Scene } from '../../scene/scene';
 import { instancedMeshes, testScene } from '../../scene/test_scene';
 import { mapColors } from './map_colors';
-import { loadMap } from './map_loader';
+import { loadMap } from './state_map';
 import { MapObject } from './map_object';
 import { stateMapOf } from './test_map';
 

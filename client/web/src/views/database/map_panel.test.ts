@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../../api/api';
 import type { ThemeSwitch } from '../../shell/theme';
-import { EmphasisLayer } from './map_emphasis';
-import { loadMap } from './map_loader';
+import { EmphasisLayer } from './map_picture';
+import { loadMap } from './state_map';
 import { MapPanel, type MapContent } from './map_panel';
 import { stateMapOf, stubDrawing } from './test_map';
 

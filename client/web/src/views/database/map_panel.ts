@@ -6,8 +6,7 @@ import type { ThemeSwitch } from '../../shell/theme';
 import { MapCanvas } from './map_canvas';
 import { mapColors } from './map_colors';
 import { MapObject } from './map_object';
-import { EmphasisLayer, type MapEmphasis } from './map_emphasis';
-import type { MapPicture } from './map_picture';
+import { EmphasisLayer, type MapEmphasis, type MapPicture } from './map_picture';
 import type { Axes } from './projection';
 import type { StateMap } from './state_map';
 

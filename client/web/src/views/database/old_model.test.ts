@@ -4,7 +4,7 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { Api } from '../../api/api';
 import { Connection } from '../../api/connection';
 import { serverError } from '../../api/test_server';
-import { floatBytes } from '../../drawing/float_bytes';
+import { floatBytes } from '../../motion/motion';
 import type { ViewContext } from '../../shell/view';
 import { open } from './database_view';
 import { NodePoses } from './node_poses';

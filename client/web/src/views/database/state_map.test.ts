@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { ReadStateMapResponseSchema, type ReadStateMapResponse } from '../../api/messages';
-import { floatBytes } from '../../drawing/float_bytes';
+import { floatBytes } from '../../motion/motion';
 import { extentOf, StateMapReader } from './state_map';
 
 function message(part: ReadStateMapResponse['part']): ReadStateMapResponse {

@@ -1,6 +1,6 @@
 // Maps of states without a server and without pictures, for unit tests.
 import { vi } from 'vitest';
-import { floatBytes } from '../../drawing/float_bytes';
+import { floatBytes } from '../../motion/motion';
 
 // Stands for the parts of a browser that jsdom lacks; the test file replaces createScene itself.
 export function stubDrawing(): void {

@@ -5,7 +5,7 @@ import { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
 import { count, time } from '../../dom/format';
 import { Notice } from '../../dom/notice';
-import { poll } from '../../dom/poller';
+import { poll } from '../../watch/waiting';
 import { hrefOf } from '../../shell/place';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';
 import { StreamWatch } from './stream_watch';

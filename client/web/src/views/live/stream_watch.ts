@@ -10,10 +10,8 @@ import { count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import { LabelPalette } from '../../drawing/palette';
 import type { ViewContext } from '../../shell/view';
-import { pause } from '../../watch/pause';
-import { whileVisible } from '../../watch/visibility';
-import { LabelHistory, momentOf } from './label_history';
-import { LabelRibbon } from './label_ribbon';
+import { pause, whileVisible } from '../../watch/waiting';
+import { LabelHistory, momentOf, LabelRibbon } from './label_ribbon';
 import { LiveStage } from './live_stage';
 
 const kHistorySeconds = 20;

@@ -15,7 +15,16 @@ import {
 } from './floor_geometry';
 import { drawFloor, type FloorPath } from './floor_picture';
 import { FloorPointers } from './floor_pointers';
-import { describeKeys, FloorToolbar } from './floor_toolbar';
+import {
+  describeKeys,
+  FloorToolbar,
+  isPoseTool,
+  kCursorTools,
+  kTools,
+  stepOf,
+  type FloorTool,
+  type PoseTool,
+} from './floor_tools';
 import {
   fitWindow,
   gridCentre,
@@ -26,14 +35,6 @@ import {
   zoomAt,
   type FloorWindow,
 } from './floor_window';
-import {
-  isPoseTool,
-  kCursorTools,
-  kTools,
-  stepOf,
-  type FloorTool,
-  type PoseTool,
-} from './floor_tools';
 import { ObstacleDrawing } from './obstacle_drawing';
 
 const kZoomStep = 1.2;

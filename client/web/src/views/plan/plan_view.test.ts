@@ -3,7 +3,7 @@ import { create } from '@bufbuild/protobuf';
 import { expect, test, vi } from 'vitest';
 import { Connection } from '../../api/connection';
 import { PlannedMotionSchema, PlanOutcome } from '../../api/messages';
-import { floatBytes } from '../../drawing/float_bytes';
+import { floatBytes } from '../../motion/motion';
 import type { ViewContext } from '../../shell/view';
 import { open } from './plan_view';
 

@@ -4,22 +4,19 @@ import { readClipIds } from '../../api/lists';
 import { FileFormat, PlanOutcome, type PlanResponse } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { Disposer } from '../../dom/disposer';
-import { downloadBytes } from '../../dom/download';
+import { downloadBytes, readFile } from '../../dom/files';
 import { button, element } from '../../dom/element';
-import { readFile } from '../../dom/file_bytes';
 import { Notice } from '../../dom/notice';
 import { frameAt, type Motion } from '../../motion/motion';
-import { driveClock } from '../../player/clock_driver';
-import { PlaybackClock } from '../../player/playback_clock';
+import { driveClock, PlaybackClock } from '../../player/playback_clock';
 import { PlayerControls } from '../../player/player_controls';
 import type { View, ViewContext, ViewParams } from '../../shell/view';
 import { MotionStage } from '../../stage/motion_stage';
 import { FloorEditor } from './floor_editor';
 import { PlanForm } from './plan_form';
-import { planRequest, type Robot } from './plan_request';
+import { planRequest, type Robot, isSameMotion, rootPath, stageMotion } from './plan_messages';
 import { motionsOf, PlanResults } from './plan_results';
 import { planSettingsOf, queryOfPlan, roundedAsInUrl, type PlanSettings } from './plan_settings';
-import { isSameMotion, rootPath, stageMotion } from './planned_motion';
 
 const kDownloads: readonly (readonly [string, FileFormat])[] = [
   ['BVH', FileFormat.BVH],

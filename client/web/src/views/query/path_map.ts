@@ -1,12 +1,11 @@
 import type { Api } from '../../api/api';
 import { element } from '../../dom/element';
-import { legendEntries } from '../../drawing/legend';
+import { legendEntries } from '../../drawing/labels';
 import type { LabelPalette } from '../../drawing/palette';
 import type { ThemeSwitch } from '../../shell/theme';
-import { loadMap } from '../database/map_loader';
+import { loadMap, type StateMap } from '../database/state_map';
 import { MapPanel } from '../database/map_panel';
 import { describeNode } from '../database/node_panel';
-import type { StateMap } from '../database/state_map';
 import type { MomentAnswer } from './prediction';
 
 const kPathContent = {

@@ -1,6 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { floatBytes } from '../../drawing/float_bytes';
-import { createMotion } from '../../motion/motion';
+import { floatBytes, createMotion } from '../../motion/motion';
 import type { Figure } from '../../api/messages';
 import { centred, comparePoses } from './prediction';
 

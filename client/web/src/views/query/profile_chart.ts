@@ -1,7 +1,7 @@
 import { lastPart } from '../../api/resource_names';
 import { LineChart } from '../../chart/line_chart';
 import { element } from '../../dom/element';
-import { labelName } from '../../drawing/legend';
+import { labelName } from '../../drawing/labels';
 import type { LabelStyle } from '../../drawing/palette';
 import type { ThemeSwitch } from '../../shell/theme';
 import { rangeOf, type ClipProfile, type Profile } from './profile_series';

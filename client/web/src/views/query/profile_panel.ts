@@ -2,7 +2,7 @@ import { Method } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { button, element, labelled } from '../../dom/element';
 import { Notice } from '../../dom/notice';
-import { legendEntries } from '../../drawing/legend';
+import { legendEntries } from '../../drawing/labels';
 import type { LabelPalette } from '../../drawing/palette';
 import type { ViewContext } from '../../shell/view';
 import { observationOf, type ObservedMotion } from './observed_motion';

@@ -1,10 +1,14 @@
-import { zoomByKeys } from '../../chart/chart_keys';
-import { zoomByTouch } from '../../chart/chart_pinch';
-import { rangeInside, type ChartRange, type ZoomTarget } from '../../chart/chart_range';
-import { zoomByWheel } from '../../chart/chart_wheel';
+import {
+  zoomByKeys,
+  zoomByTouch,
+  rangeInside,
+  type ChartRange,
+  type ZoomTarget,
+  zoomByWheel,
+} from '../../chart/chart_zoom';
 import { element, replaceChildren, svgElement } from '../../dom/element';
 import { percent } from '../../dom/format';
-import { labelName, legendEntries } from '../../drawing/legend';
+import { labelName, legendEntries } from '../../drawing/labels';
 import type { LabelStyle } from '../../drawing/palette';
 import { ribbonAreas, runsOf, windowAt, winnerOf, type LabelledWindow } from './ribbon_layout';
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "core/motion/cancellation.h"
+#include "core/motion/execution.h"
 #include "storage/sql/connection/connection.h"
 #include "tests/simulation/world.h"
 

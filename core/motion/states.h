@@ -23,7 +23,7 @@ namespace motiondb::core {
 // frame, the size, resampling, velocities, repair of gaps and glitches. The model's own
 // computations (scales, tree, statistics) do not count.
 //   1  first release
-//   2  glitches are handled by the database's policy (glitch_policy.h)
+//   2  glitches are handled by the database's policy (glitches.h)
 //   3  reference poses at the start are left out, feet and heads can be derived, optical marker
 //      sets are mapped by their landmarks
 //   4  the leg length of a skeleton is measured in its rest pose

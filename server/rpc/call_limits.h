@@ -147,8 +147,8 @@ class CallMemory {
 };
 
 // Returns the memory that one call may reserve, in bytes. `size_bytes`: decompressed bytes that it
-// sends and stored bytes that it names. It is less than the documented 64 MB plus ten times the
-// size, because an allocator needs a few percent more.
+// sends and stored bytes that it names. docs/architecture.md, section Memory, has the rule and the
+// upper bounds that calls reserve.
 std::int64_t MaxCallMemory(std::int64_t size_bytes);
 
 }  // namespace motiondb::server

@@ -3,7 +3,7 @@
 // declaration defines the flag `--rebuild-delay`, the variable `MOTIONDBD_REBUILD_DELAY`, the key
 // `rebuild-delay` of the file, the manual page and the output of --check-config.
 //
-// To add a group: add a file, a line here, a line in settings_reader.cc, and its settings in
+// To add a group: add a line here, a line in settings_reader.cc, its functions, and its settings in
 // deploy/motiondbd.conf (a test compares them).
 //
 // Put a check of a single value (range, existing file, address) into the option: its error names

@@ -19,7 +19,7 @@ struct CheckedTable {
   std::string_view parent = "";  // the table of the resource that it belongs to; empty: none
 };
 
-// The columns must match those of the last migration that sets row_crc of the table (schema.cc).
+// The columns must match those of the last migration that sets row_crc (migrations.cc).
 constexpr std::array kTables = {
     CheckedTable{"database", "database_key",
                  "database_key, name, frame_rate_hz, min_frames, scaling, marker_set, "

@@ -1,5 +1,4 @@
-// What holds for the work of a thread within a scope: cancellation of its reads, and failure of its
-// allocations.
+// Scopes of a thread: within them its reads can be cancelled, or its allocations may fail.
 #pragma once
 
 #include <utility>

@@ -7,7 +7,6 @@
 #include <motiondb/v1/server.pb.h>
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <functional>
 #include <string>

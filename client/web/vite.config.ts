@@ -20,6 +20,7 @@ export default defineConfig({
     environment: 'jsdom',
     // One document for all files: to make one for each takes most of the time.
     isolate: false,
+    testTimeout: 30_000, // of a busy machine; the longest test takes 1.5 s
     include: ['src/**/*.test.ts'],
   },
 });

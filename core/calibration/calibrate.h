@@ -32,7 +32,7 @@ absl::Status Calibrate(Model& model, const ParallelFor& parallel, const BuildPro
 absl::StatusOr<Model> RefitLabels(Model model, const ParallelFor& parallel,
                                   const BuildProgress& progress);
 
-// The trials of Calibrate.
+// Held-out units (core/model/label_units.h): which clips a test leaves out, and their motion.
 
 // Returns for each clip whether a test of a unit leaves it out. If the subject is known and other
 // subjects have units with the same label, all clips of the subject are left out, because the
@@ -51,6 +51,8 @@ std::vector<LabelUnit> SampleUnits(const Model& model, int max_count);
 StateSequence StoredMotion(const Model& model, int clip);
 StateSequence StoredMotion(const Model& model, const LabelUnit& unit);
 StateSequence StoredMotion(const Model& model, int clip, int first, int end);
+
+// The trials of Calibrate.
 
 // Runs trial(0) to trial(count - 1) in parallel. A trial writes only its own result. CANCELLED if
 // `progress` returns false.

@@ -14,7 +14,7 @@
 
 namespace motiondb::core {
 
-// A held-out observation.
+// A held-out observation, for FitEvidenceWeight.
 struct JudgedSample {
   std::vector<double> evidence;  // log probability of each label, up to a constant
   std::size_t label = 0;         // index of the correct label
@@ -31,7 +31,8 @@ double NegativeLogLikelihood(const std::vector<JudgedSample>& samples,
 EvidenceWeight FitEvidenceWeight(const std::vector<JudgedSample>& samples,
                                  const std::vector<double>& powers);
 
-// A held-out observation of a clip: unknown if the clip's label was held out, too.
+// Kind of a row of features, for FitUnknownRegression: the clip of a held-out observation, which is
+// unknown if the clip's label was held out, too.
 struct HeldOutKind {
   bool is_unknown = false;
   int clip = 0;
@@ -56,8 +57,8 @@ std::optional<UnknownRegression> FitUnknownRegression(const std::vector<HeldOutK
                                                       const Eigen::MatrixXd& features,
                                                       std::vector<int> signs);
 
-// A held-out observation: known if the model kept other clips of its label, unknown if it was
-// aligned without all clips of its label and of its subject.
+// A held-out observation, for FitUnknownModel: known if the model kept other clips of its label,
+// unknown if it was aligned without all clips of its label and of its subject.
 struct UnknownSample {
   bool is_unknown = false;
   int clip = 0;

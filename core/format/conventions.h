@@ -68,9 +68,8 @@ DeducedConventions DeduceConventions(std::span<const std::string> names,
                                      const FrameMatrix& positions,
                                      const Skeleton* skeleton = nullptr);
 
-// Decides the unit of a file. A file without a known unit gets the unit
-// that gives its figure the stature of a person, or without a figure the `usual` one of its format;
-// a note says so.
+// Decides the unit of a file. A file without a known unit gets the unit that gives its figure the
+// stature of a person, or without a figure the `usual` one of its format; a note says so.
 void DecideUnit(std::optional<double> given, std::optional<double> stated,
                 const DeducedConventions& deduced, double usual, SourceReport& report);
 

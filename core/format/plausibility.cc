@@ -62,12 +62,6 @@ absl::Status WithOption(const std::string& option, absl::Status status) {
   return option.empty() ? status : WithResource("option", option, std::move(status));
 }
 
-std::optional<int> MarkerNamed(const MarkerSet& set, std::string_view name) {
-  const auto found = std::ranges::find(set.markers, name);
-  if (found == set.markers.end()) return std::nullopt;
-  return static_cast<int>(found - set.markers.begin());
-}
-
 // The direction of a body from the feet to the neck, in the world: unit vectors of the trunk and of
 // the legs.
 struct Posture {
@@ -158,14 +152,14 @@ absl::Status CheckPosture(const MarkerSet& set, const StateSequence& states,
                           const SourceReport& report) {
   constexpr double kUpright = 0.5;  // sine of the angle between the floor and trunk or legs
   constexpr double kThroughout = 0.95;
-  const auto pelvis = MarkerNamed(set, "Pelvis");
-  const auto neck = MarkerNamed(set, "Neck");
-  if (!pelvis || !neck || set.landmarks.legs.empty()) return absl::OkStatus();
+  const int pelvis = set.FindMarker("Pelvis");
+  const int neck = set.FindMarker("Neck");
+  if (pelvis < 0 || neck < 0 || set.landmarks.legs.empty()) return absl::OkStatus();
   int known = 0;
   int lying = 0;
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (int t = 0; t < states.frame_count(); ++t) {
-    const auto posture = PostureAt(set, *pelvis, *neck, states, t);
+    const auto posture = PostureAt(set, pelvis, neck, states, t);
     if (!posture) continue;
     ++known;
     if (posture->trunk.z() >= kUpright || posture->legs.z() >= kUpright) continue;

@@ -10,9 +10,11 @@
 
 namespace motiondb::core {
 
-int UrdfLine(const tinyxml2::XMLElement& element) { return element.GetLineNum(); }
+using tinyxml2::XMLElement;
 
-absl::Status ReadUrdfNumbers(std::string_view file_name, const tinyxml2::XMLElement& element,
+int UrdfLine(const XMLElement& element) { return element.GetLineNum(); }
+
+absl::Status ReadUrdfNumbers(std::string_view file_name, const XMLElement& element,
                              const char* attribute, std::span<double* const> values) {
   const char* text = element.Attribute(attribute);
   if (text == nullptr) return absl::OkStatus();
@@ -25,15 +27,15 @@ absl::Status ReadUrdfNumbers(std::string_view file_name, const tinyxml2::XMLElem
                    Shown(text));
 }
 
-absl::Status ReadUrdfVector(std::string_view file_name, const tinyxml2::XMLElement& element,
+absl::Status ReadUrdfVector(std::string_view file_name, const XMLElement& element,
                             const char* attribute, Eigen::Vector3d& value) {
   const std::array<double*, 3> values = {&value.x(), &value.y(), &value.z()};
   return ReadUrdfNumbers(file_name, element, attribute, values);
 }
 
-absl::Status ReadUrdfOrigin(std::string_view file_name, const tinyxml2::XMLElement& element,
+absl::Status ReadUrdfOrigin(std::string_view file_name, const XMLElement& element,
                             UrdfOrigin& origin) {
-  const tinyxml2::XMLElement* const given = element.FirstChildElement("origin");
+  const XMLElement* const given = element.FirstChildElement("origin");
   if (given == nullptr) return absl::OkStatus();
   MOTIONDB_RETURN_IF_ERROR(ReadUrdfVector(file_name, *given, "xyz", origin.xyz_m));
   return ReadUrdfVector(file_name, *given, "rpy", origin.rpy_rad);
@@ -47,8 +49,6 @@ Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy) {
 }
 
 namespace {
-
-using tinyxml2::XMLElement;
 
 std::string_view NameOfMaterial(const XMLElement& material) {
   const char* const name = material.Attribute("name");
@@ -106,7 +106,6 @@ void UrdfMaterials::Add(const XMLElement& owner) {
 
 namespace {
 
-using tinyxml2::XMLElement;
 using Geometry = LinkVisual::Geometry;
 
 // The only child of <geometry> that counts; null without one.

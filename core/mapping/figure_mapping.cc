@@ -280,8 +280,8 @@ absl::StatusOr<MarkerMapping> MapFigure(const MarkerSet& set, const Figure& figu
   if (points.rotations.empty()) return mapping;
   for (const auto& [marker, from, front, up] : DerivedMarkers()) {
     if (from != std::string("LAnkle") && from != std::string("RAnkle")) continue;
-    const auto at = std::ranges::find(set.markers, marker) - set.markers.begin();
-    if (at == std::ssize(set.markers) || !mapping.rules[at].points.empty()) continue;
+    const int at = set.FindMarker(marker);
+    if (at < 0 || !mapping.rules[at].points.empty()) continue;
     const int ankle = figure.at(Role::kAnkle, from[0] == 'L' ? Side::kLeft : Side::kRight).index;
     mapping.rules[at] = {
         {{figure.names[ankle], 1}}, figure.names[ankle], InJoint(figure, points, ankle, front, up)};

@@ -63,8 +63,8 @@ absl::StatusOr<AutomaticMapping> MapAutomatically(const MarkerSet& set, const Po
   std::vector<std::string> derived = DerivedMarkersOf(figure, has_hierarchy);
   // Represent derives the markers that have no rule at all, and reports them.
   std::erase_if(derived, [&](const std::string& marker) {
-    const auto at = std::ranges::find(set.markers, marker) - set.markers.begin();
-    return at == std::ssize(set.markers) || mapping.rules[at].points.empty();
+    const int at = set.FindMarker(marker);
+    return at < 0 || mapping.rules[at].points.empty();
   });
   return AutomaticMapping{
       std::move(mapping),

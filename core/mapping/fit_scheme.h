@@ -1,4 +1,5 @@
-// Chooses the mapping of a motion: one of the scheme's, or an automatic one.
+// Chooses the mapping of a motion: one of the scheme's, or an automatic one; and the roles found,
+// for inspection.
 #pragma once
 
 #include <string>

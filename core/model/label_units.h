@@ -86,15 +86,4 @@ inline std::vector<IndexPair> AlignFrames(const FrameMatrix& observed,
   return AlignFrames(observed, reference, observed.cols());
 }
 
-// Returns the squared Euclidean distances, rows of `a` x rows of `b`. The rounding error is
-// proportional to the squared norms, so distances much smaller than the norms are inexact.
-inline FrameMatrix SquaredDistances(const Eigen::Ref<const FrameMatrix>& a,
-                                    const Eigen::Ref<const FrameMatrix>& b,
-                                    const Eigen::Ref<const Eigen::VectorXf>& b_squared_norms) {
-  FrameMatrix squared = -2 * a * b.transpose();
-  squared.colwise() += a.rowwise().squaredNorm();
-  squared.rowwise() += b_squared_norms.transpose();
-  return squared.cwiseMax(0);
-}
-
 }  // namespace motiondb::core

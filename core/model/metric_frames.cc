@@ -69,6 +69,15 @@ StridedFrames StrideFrames(const std::vector<ModelClip>& clips, double frame_rat
   return strided;
 }
 
+FrameMatrix SquaredDistances(const Eigen::Ref<const FrameMatrix>& a,
+                             const Eigen::Ref<const FrameMatrix>& b,
+                             const Eigen::Ref<const Eigen::VectorXf>& b_squared_norms) {
+  FrameMatrix squared = -2 * a * b.transpose();
+  squared.colwise() += a.rowwise().squaredNorm();
+  squared.rowwise() += b_squared_norms.transpose();
+  return squared.cwiseMax(0);
+}
+
 namespace {
 
 // Every indexed node is compared with every observed frame, so their number is limited.

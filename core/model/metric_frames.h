@@ -52,6 +52,12 @@ FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatr
 MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
                            const ParallelFor& parallel);
 
+// Returns the squared Euclidean distances, rows of `a` x rows of `b`. The rounding error is
+// proportional to the squared norms, so distances much smaller than the norms are inexact.
+FrameMatrix SquaredDistances(const Eigen::Ref<const FrameMatrix>& a,
+                             const Eigen::Ref<const FrameMatrix>& b,
+                             const Eigen::Ref<const Eigen::VectorXf>& b_squared_norms);
+
 // Index from nodes to the clips with frames in them.
 class ClipIndex {
  public:

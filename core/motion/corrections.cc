@@ -36,10 +36,8 @@ std::optional<std::array<std::array<int, kJointCount>, 2>> JointsOf(const Marker
   std::array<std::array<int, kJointCount>, 2> joints{};
   for (int side = 0; side < 2; ++side) {
     for (int j = 0; j < kJointCount; ++j) {
-      const auto found =
-          std::ranges::find(set.markers, std::string(side == 0 ? "L" : "R") + kJointNames[j]);
-      if (found == set.markers.end()) return std::nullopt;
-      joints[side][j] = static_cast<int>(found - set.markers.begin());
+      joints[side][j] = set.FindMarker(std::string(side == 0 ? "L" : "R") + kJointNames[j]);
+      if (joints[side][j] < 0) return std::nullopt;
     }
   }
   return joints;
@@ -151,12 +149,6 @@ constexpr DerivedMarker kDerived[] = {
     {"Head", "Neck", 0.02, 0.22},      {"HeadTop", "Neck", 0.03, 0.33},
 };
 
-// Returns the index of a marker; -1 if the set does not have it.
-int Find(const MarkerSet& set, const char* marker) {
-  const auto found = std::ranges::find(set.markers, marker);
-  return found == set.markers.end() ? -1 : static_cast<int>(found - set.markers.begin());
-}
-
 }  // namespace
 
 std::span<const DerivedMarker> DerivedMarkers() { return kDerived; }
@@ -169,8 +161,8 @@ absl::Status AddDerivedMarkers(const MarkerSet& set, double leg_length_m, Marker
   std::string names;
   RootPath path;
   for (const auto& [name, from, front, up] : kDerived) {
-    const int marker = Find(set, name);
-    const int base = Find(set, from);
+    const int marker = set.FindMarker(name);
+    const int base = set.FindMarker(from);
     if (base < 0 || !is_missing(marker) || is_missing(base)) continue;
     if (path.rows() == 0) {
       MOTIONDB_ASSIGN_OR_RETURN(path, ReferenceFrames(set, motion));

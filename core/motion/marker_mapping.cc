@@ -99,6 +99,13 @@ absl::StatusOr<BoundMapping> BindMapping(const MarkerScheme& scheme,
   return bound;
 }
 
+int MarkerSet::FindMarker(std::string_view marker) const {
+  for (int m = 0; m < marker_count(); ++m) {
+    if (markers[m] == marker) return m;
+  }
+  return -1;
+}
+
 std::vector<std::string> JointNames(const Skeleton& skeleton) {
   std::vector<std::string> names;
   for (const Joint& joint : skeleton.joints()) names.push_back(joint.name);

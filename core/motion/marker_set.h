@@ -34,6 +34,8 @@ struct MarkerSet {
   int marker_count() const { return static_cast<int>(markers.size()); }
   // Length of a state vector: position and velocity of every marker.
   int dimension_count() const { return 6 * marker_count(); }
+  // Index of a name in `markers`, or -1. O(markers).
+  int FindMarker(std::string_view marker) const;
 };
 
 // A joint or source marker from which a virtual marker is computed.

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/model/clip_mask.h"
-#include "core/model/label_units.h"
 #include "core/model/model.h"
 #include "core/motion/samples.h"
 

@@ -1,9 +1,9 @@
-// Pictures of the frames of a clip: lines between the points of a figure, the joints of the
-// recorded skeleton, in time with the stored states, and which feet stand on the floor.
+// Geometry for pictures of the frames of a clip: the joints of the recorded skeleton, in time with
+// the stored states, and which feet stand on the floor. Also bones (lines between points), which
+// are of a marker set, a model or a skeleton, and of no clip.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <vector>
 

@@ -14,8 +14,6 @@
 namespace motiondb::importer {
 namespace {
 
-using CheckedJson = nlohmann::json;
-
 absl::Status ExpectedAt(const GltfDocument& document, std::string_view path, std::string_view what,
                         std::string_view found) {
   return core::InvalidArgument("{}: {}: expected {}, found {}", document.file_name(), path, what,
@@ -23,14 +21,14 @@ absl::Status ExpectedAt(const GltfDocument& document, std::string_view path, std
 }
 
 absl::Status CheckAccessors(const GltfDocument& document) {
-  const CheckedJson& accessors = GltfMember(document.json(), "accessors");
+  const GltfJson& accessors = GltfMember(document.json(), "accessors");
   if (accessors.is_null()) return absl::OkStatus();
   if (!accessors.is_array()) {
     return ExpectedAt(document, "accessors", "an array", accessors.type_name());
   }
   for (std::size_t i = 0; i < accessors.size(); ++i) {
-    MOTIONDB_ASSIGN_OR_RETURN(const GltfAccessor accessor, document.Accessor(CheckedJson(i)));
-    const CheckedJson& sparse = GltfMember(*accessor.json, "sparse");
+    MOTIONDB_ASSIGN_OR_RETURN(const GltfAccessor accessor, document.Accessor(GltfJson(i)));
+    const GltfJson& sparse = GltfMember(*accessor.json, "sparse");
     if (sparse.is_null()) continue;
     const auto component = GltfUnsigned(GltfMember(sparse, "indices"), "componentType");
     if (component == kGltfUnsignedByte || component == kGltfUnsignedShort ||
@@ -44,14 +42,14 @@ absl::Status CheckAccessors(const GltfDocument& document) {
 }
 
 // Number of elements for each key of `weights`: the morph targets of the node's mesh.
-std::size_t TargetCount(const GltfDocument& document, const CheckedJson& node_index) {
-  const CheckedJson* const node = document.Find("nodes", node_index);
+std::size_t TargetCount(const GltfDocument& document, const GltfJson& node_index) {
+  const GltfJson* const node = document.Find("nodes", node_index);
   if (node == nullptr) return 0;
-  const CheckedJson* const mesh = document.Find("meshes", GltfMember(*node, "mesh"));
+  const GltfJson* const mesh = document.Find("meshes", GltfMember(*node, "mesh"));
   if (mesh == nullptr) return 0;
-  const CheckedJson& primitives = GltfMember(*mesh, "primitives");
+  const GltfJson& primitives = GltfMember(*mesh, "primitives");
   if (!primitives.is_array() || primitives.empty()) return 0;
-  const CheckedJson& targets = GltfMember(primitives[0], "targets");
+  const GltfJson& targets = GltfMember(primitives[0], "targets");
   return targets.is_array() ? targets.size() : 0;
 }
 
@@ -62,7 +60,7 @@ struct PathElements {
   bool may_be_integers = false;
 };
 
-PathElements ElementsOf(const GltfDocument& document, const CheckedJson& target,
+PathElements ElementsOf(const GltfDocument& document, const GltfJson& target,
                         std::string_view path) {
   if (path == "rotation") return {.width = 4, .may_be_integers = true};
   if (path != "weights") return {.width = 3};
@@ -71,22 +69,22 @@ PathElements ElementsOf(const GltfDocument& document, const CheckedJson& target,
           .may_be_integers = true};
 }
 
-absl::Status CheckChannel(const GltfDocument& document, const CheckedJson& animation,
-                          const CheckedJson& channel, const std::string& where) {
-  const CheckedJson& target = GltfMember(channel, "target");
-  const CheckedJson& path = GltfMember(target, "path");
+absl::Status CheckChannel(const GltfDocument& document, const GltfJson& animation,
+                          const GltfJson& channel, const std::string& where) {
+  const GltfJson& target = GltfMember(channel, "target");
+  const GltfJson& path = GltfMember(target, "path");
   const std::string name = path.is_string() ? path.get<std::string>() : "";
   if (name != "rotation" && name != "translation" && name != "scale" && name != "weights") {
     return absl::OkStatus();  // of an extension: not read
   }
-  const CheckedJson& samplers = GltfMember(animation, "samplers");
+  const GltfJson& samplers = GltfMember(animation, "samplers");
   const auto index = GltfUnsigned(channel, "sampler");
   if (!samplers.is_array() || !index || *index >= samplers.size()) {
     return ExpectedAt(document, where + ".sampler", "a sampler of the animation",
                       core::Shown(GltfMember(channel, "sampler").dump()));
   }
-  const CheckedJson& sampler = samplers[*index];
-  const CheckedJson& interpolation = GltfMember(sampler, "interpolation");
+  const GltfJson& sampler = samplers[*index];
+  const GltfJson& interpolation = GltfMember(sampler, "interpolation");
   const bool is_cubic = interpolation == "CUBICSPLINE";
   if (!interpolation.is_null() && interpolation != "LINEAR" && interpolation != "STEP" &&
       !is_cubic) {
@@ -129,13 +127,13 @@ absl::Status CheckChannel(const GltfDocument& document, const CheckedJson& anima
 
 absl::Status CheckGltf(const GltfDocument& document) {
   MOTIONDB_RETURN_IF_ERROR(CheckAccessors(document));
-  const CheckedJson& animations = GltfMember(document.json(), "animations");
+  const GltfJson& animations = GltfMember(document.json(), "animations");
   if (animations.is_null()) return absl::OkStatus();
   if (!animations.is_array()) {
     return ExpectedAt(document, "animations", "an array", animations.type_name());
   }
   for (std::size_t a = 0; a < animations.size(); ++a) {
-    const CheckedJson& channels = GltfMember(animations[a], "channels");
+    const GltfJson& channels = GltfMember(animations[a], "channels");
     if (!channels.is_array()) {
       return ExpectedAt(document, fmt::format("animations[{}].channels", a), "an array",
                         channels.type_name());
@@ -150,23 +148,21 @@ absl::Status CheckGltf(const GltfDocument& document) {
 
 namespace {
 
-using CurveJson = nlohmann::json;
-
-KeyInterpolation InterpolationOf(const CurveJson& sampler) {
-  const CurveJson& name = GltfMember(sampler, "interpolation");
+KeyInterpolation InterpolationOf(const GltfJson& sampler) {
+  const GltfJson& name = GltfMember(sampler, "interpolation");
   if (name == "STEP") return KeyInterpolation::kStep;
   return name == "CUBICSPLINE" ? KeyInterpolation::kCubicSpline : KeyInterpolation::kLinear;
 }
 
-bool IsMovement(const CurveJson& path) {
+bool IsMovement(const GltfJson& path) {
   return path == "rotation" || path == "translation" || path == "scale";
 }
 
 // Calls `visit` for each channel that moves a node, with its sampler.
 template <typename Visit>
-absl::Status ForEachMovement(const CurveJson& animation, const Visit& visit) {
-  for (const CurveJson& channel : GltfMember(animation, "channels")) {
-    const CurveJson& target = GltfMember(channel, "target");
+absl::Status ForEachMovement(const GltfJson& animation, const Visit& visit) {
+  for (const GltfJson& channel : GltfMember(animation, "channels")) {
+    const GltfJson& target = GltfMember(channel, "target");
     if (!IsMovement(GltfMember(target, "path"))) continue;
     const std::size_t sampler = channel.at("sampler").get<std::size_t>();
     MOTIONDB_RETURN_IF_ERROR(visit(target, animation.at("samplers").at(sampler)));
@@ -175,10 +171,10 @@ absl::Status ForEachMovement(const CurveJson& animation, const Visit& visit) {
 }
 
 // The name that assimp gives to a node.
-std::string NodeName(const GltfDocument& document, const CurveJson& index) {
-  const CurveJson* const node = document.Find("nodes", index);
+std::string NodeName(const GltfDocument& document, const GltfJson& index) {
+  const GltfJson* const node = document.Find("nodes", index);
   if (node == nullptr) return "";
-  const CurveJson& name = GltfMember(*node, "name");
+  const GltfJson& name = GltfMember(*node, "name");
   if (name.is_string() && !name.get_ref<const std::string&>().empty()) {
     return aiString(name.get_ref<const std::string&>()).C_Str();
   }
@@ -208,7 +204,7 @@ bool AssignKeys(const CurveValues& values, Key* keys, unsigned count) {
 }
 
 // Puts the values at the channel's keys; false if it has another number of keys.
-bool AssignToChannel(const CurveValues& values, const CurveJson& path, aiNodeAnim& channel) {
+bool AssignToChannel(const CurveValues& values, const GltfJson& path, aiNodeAnim& channel) {
   if (path == "rotation") {
     return AssignKeys(values, channel.mRotationKeys, channel.mNumRotationKeys);
   }
@@ -228,12 +224,12 @@ KeyCurve CurveOf(const CurveValues& values, KeyInterpolation interpolation, doub
   return curve;
 }
 
-KeyCurve& CurveAt(const CurveJson& path, ChannelCurves& curves) {
+KeyCurve& CurveAt(const GltfJson& path, ChannelCurves& curves) {
   if (path == "rotation") return curves.rotation;
   return path == "scale" ? curves.scale : curves.translation;
 }
 
-absl::Status AddCurves(const GltfDocument& document, const CurveJson& json,
+absl::Status AddCurves(const GltfDocument& document, const GltfJson& json,
                        const aiAnimation& animation, SceneCurves& curves) {
   std::unordered_map<std::string_view, aiNodeAnim*> channels;
   for (unsigned c = 0; c < animation.mNumChannels; ++c) {
@@ -241,7 +237,7 @@ absl::Status AddCurves(const GltfDocument& document, const CurveJson& json,
     channels.try_emplace({name.data, name.length}, animation.mChannels[c]);
   }
   const double ticks_per_s = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : 1;
-  return ForEachMovement(json, [&](const CurveJson& target, const CurveJson& sampler) {
+  return ForEachMovement(json, [&](const GltfJson& target, const GltfJson& sampler) {
     const auto channel = channels.find(NodeName(document, GltfMember(target, "node")));
     if (channel == channels.end()) return absl::OkStatus();
     const KeyInterpolation interpolation = InterpolationOf(sampler);
@@ -252,7 +248,7 @@ absl::Status AddCurves(const GltfDocument& document, const CurveJson& json,
     CurveValues values{.width = accessor.width,
                        .is_cubic = interpolation == KeyInterpolation::kCubicSpline};
     MOTIONDB_ASSIGN_OR_RETURN(values.numbers, document.Numbers(accessor));
-    const CurveJson& path = target.at("path");
+    const GltfJson& path = target.at("path");
     if (!AssignToChannel(values, path, *channel->second)) {
       return core::InvalidArgument("{}: {}: several channels move one component of a node",
                                    document.file_name(), accessor.path);
@@ -265,9 +261,9 @@ absl::Status AddCurves(const GltfDocument& document, const CurveJson& json,
 }  // namespace
 
 bool NeedsGltfCurves(const GltfDocument& document) {
-  const CurveJson& animations = GltfMember(document.json(), "animations");
-  return std::any_of(animations.begin(), animations.end(), [&](const CurveJson& animation) {
-    return !ForEachMovement(animation, [&](const CurveJson&, const CurveJson& sampler) {
+  const GltfJson& animations = GltfMember(document.json(), "animations");
+  return std::any_of(animations.begin(), animations.end(), [&](const GltfJson& animation) {
+    return !ForEachMovement(animation, [&](const GltfJson&, const GltfJson& sampler) {
               const auto accessor = document.Accessor(GltfMember(sampler, "output"));
               const bool is_plain = InterpolationOf(sampler) == KeyInterpolation::kLinear &&
                                     accessor.ok() && accessor->component == kGltfFloat;
@@ -278,7 +274,7 @@ bool NeedsGltfCurves(const GltfDocument& document) {
 
 absl::StatusOr<SceneCurves> ReadGltfCurves(const GltfDocument& document, const aiScene& scene) {
   SceneCurves curves;
-  const CurveJson& animations = GltfMember(document.json(), "animations");
+  const GltfJson& animations = GltfMember(document.json(), "animations");
   for (std::size_t a = 0; a < animations.size() && a < scene.mNumAnimations; ++a) {
     MOTIONDB_RETURN_IF_ERROR(AddCurves(document, animations[a], *scene.mAnimations[a], curves));
   }

@@ -17,8 +17,6 @@ namespace motiondb::importer {
 
 namespace {
 
-using GltfJson = nlohmann::json;
-
 constexpr std::size_t kGlbHeader = 12;
 constexpr std::size_t kGlbChunkHeader = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;

@@ -13,9 +13,11 @@
 
 namespace motiondb::importer {
 
+using GltfJson = nlohmann::json;
+
 // Numbers of an accessor, and where they come from: "accessors[3]".
 struct GltfAccessor {
-  const nlohmann::json* json = nullptr;
+  const GltfJson* json = nullptr;
   std::string path = {};
   std::size_t count = 0;  // of elements
   std::size_t width = 0;  // numbers of an element; 0: a matrix
@@ -41,14 +43,14 @@ class GltfDocument {
   static absl::StatusOr<GltfDocument> Parse(core::SourceFile file);
 
   std::string_view file_name() const { return file_.name; }
-  const nlohmann::json& json() const { return json_; }
+  const GltfJson& json() const { return json_; }
 
   // Returns an element of an array of the document, or nothing. `index`: a JSON number.
-  const nlohmann::json* Find(const char* array, const nlohmann::json& index) const;
+  const GltfJson* Find(const char* array, const GltfJson& index) const;
 
   // Returns an accessor. INVALID_ARGUMENT, with its path, if there is none or if its component
   // type, type or count is not one of glTF.
-  absl::StatusOr<GltfAccessor> Accessor(const nlohmann::json& index) const;
+  absl::StatusOr<GltfAccessor> Accessor(const GltfJson& index) const;
 
   // Returns the numbers of an accessor, count x width; normalized integers are divided by their
   // greatest value. INVALID_ARGUMENT, with the path, if they are beyond the buffer, sparse, in
@@ -59,17 +61,17 @@ class GltfDocument {
   explicit GltfDocument(core::SourceFile file) : file_(file) {}
 
   // Returns the bytes of a buffer; `storage` keeps decoded ones.
-  absl::StatusOr<std::string_view> Buffer(const nlohmann::json& index, std::string& storage) const;
+  absl::StatusOr<std::string_view> Buffer(const GltfJson& index, std::string& storage) const;
 
   core::SourceFile file_;
-  nlohmann::json json_;
+  GltfJson json_;
   std::string_view binary_;  // the chunk of a GLB
 };
 
 // Returns a member that is an integer from 0 to 2^53; nothing if it is missing or another value.
-std::optional<std::size_t> GltfUnsigned(const nlohmann::json& object, const char* member);
+std::optional<std::size_t> GltfUnsigned(const GltfJson& object, const char* member);
 
 // Returns a member, or null if it is missing or if `object` is none.
-const nlohmann::json& GltfMember(const nlohmann::json& object, const char* member);
+const GltfJson& GltfMember(const GltfJson& object, const char* member);
 
 }  // namespace motiondb::importer

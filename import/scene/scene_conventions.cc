@@ -25,8 +25,7 @@ bool IsUnit(double metres) { return metres > 1e-9 && metres < 1e9; }
 std::optional<double> MetadataNumber(const aiScene& scene, std::string_view key) {
   if (scene.mMetaData == nullptr) return std::nullopt;
   for (unsigned i = 0; i < scene.mMetaData->mNumProperties; ++i) {
-    const aiString& name = scene.mMetaData->mKeys[i];
-    if (std::string_view(name.data, name.length) != key) continue;
+    if (NameView(scene.mMetaData->mKeys[i]) != key) continue;
     const aiMetadataEntry& entry = scene.mMetaData->mValues[i];
     if (entry.mData == nullptr) return std::nullopt;
     switch (entry.mType) {

@@ -20,8 +20,6 @@ namespace {
 
 constexpr std::string_view kChainTag = "_$AssimpFbx$_";
 
-std::string_view NodeName(const aiNode& node) { return {node.mName.data, node.mName.length}; }
-
 // A node of a chain: the name of the FBX node, and the part of its transform.
 struct ChainName {
   std::string_view owner;
@@ -41,16 +39,18 @@ bool IsGeometric(std::string_view part) { return part.starts_with("Geometric"); 
 const aiNode* FollowChain(const aiNode* first, std::vector<const aiNode*>& parts) {
   const aiNode* node = first;
   while (true) {
-    const ChainName name = ParseChainName(NodeName(*node));
+    const ChainName name = ParseChainName(NameView(node->mName));
     if (name.part.empty() || !IsGeometric(name.part)) parts.push_back(node);
     if (name.part.empty() || node->mNumChildren != 1) return node;
     const aiNode* const next = node->mChildren[0];
-    if (ParseChainName(NodeName(*next)).owner != name.owner) return node;
+    if (ParseChainName(NameView(next->mName)).owner != name.owner) return node;
     node = next;
   }
 }
 
 }  // namespace
+
+std::string_view NameView(const aiString& name) { return {name.data, name.length}; }
 
 std::vector<SceneNode> SceneNodes(const aiScene& scene) {
   std::vector<SceneNode> nodes;
@@ -59,9 +59,9 @@ std::vector<SceneNode> SceneNodes(const aiScene& scene) {
     const auto [first, parent] = open.back();
     open.pop_back();
     // The inverse of an FBX node's geometric transform stands between it and its children.
-    const ChainName name = ParseChainName(NodeName(*first));
+    const ChainName name = ParseChainName(NameView(first->mName));
     const bool undoes_geometry =
-        IsGeometric(name.part) && parent >= 0 && NodeName(*nodes[parent].node) == name.owner;
+        IsGeometric(name.part) && parent >= 0 && NameView(nodes[parent].node->mName) == name.owner;
     const aiNode* last = first;
     int index = parent;
     if (!undoes_geometry) {
@@ -77,7 +77,7 @@ std::vector<SceneNode> SceneNodes(const aiScene& scene) {
 
 Eigen::Matrix3d InversePostRotation(const SceneNode& node) {
   for (const aiNode* part : node.parts) {
-    if (ParseChainName(NodeName(*part)).part == "PostRotation") {
+    if (ParseChainName(NameView(part->mName)).part == "PostRotation") {
       return ToAffine(part->mTransformation).linear();
     }
   }
@@ -97,8 +97,6 @@ namespace {
 constexpr double kSameValue = 1e-6;
 constexpr double kSameRotation = 1e-5;         // of the numbers of a unit quaternion
 constexpr std::size_t kMaxListedBytes = 2048;  // the status of a call has at most 8 KiB
-
-std::string_view NameView(const aiString& name) { return {name.data, name.length}; }
 
 bool Differs(const aiVector3D& a, const aiVector3D& b) {
   return !((a - b).Length() <= kSameValue * std::max<double>(1, a.Length()));

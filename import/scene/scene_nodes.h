@@ -13,6 +13,9 @@
 
 namespace motiondb::importer {
 
+// Returns the bytes of one of assimp's strings.
+std::string_view NameView(const aiString& name);
+
 // The transform from the node to its parent is the product of those of `parts`, leftmost first.
 struct SceneNode {
   const aiNode* node = nullptr;  // has the name and the meshes

@@ -76,7 +76,7 @@ class KeyCheck {
 
   std::string Where() const {
     return fmt::format("{}: take '{}', node '{}'", file_name_, core::Shown(take_.name),
-                       core::Shown({channel_.mNodeName.data, channel_.mNodeName.length}));
+                       core::Shown(NameView(channel_.mNodeName)));
   }
 
   const std::string_view file_name_;
@@ -182,7 +182,7 @@ absl::StatusOr<std::vector<JointTrack>> FindTracks(
   }
   for (unsigned c = 0; c < take.animation->mNumChannels; ++c) {
     const aiNodeAnim& channel = *take.animation->mChannels[c];
-    const std::string_view name(channel.mNodeName.data, channel.mNodeName.length);
+    const std::string_view name = NameView(channel.mNodeName);
     const auto place = places.find(name);
     if (place == places.end() || joint_of[place->second.node] < 0) continue;
     if (place->second.is_repeated) {

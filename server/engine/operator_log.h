@@ -1,4 +1,4 @@
-// What the server reports to its operator: corruption, and entries of the audit log.
+// Events that are kept for the operator: corruption found since the start, and the audit log.
 #pragma once
 
 #include <cstddef>

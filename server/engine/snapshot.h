@@ -10,7 +10,7 @@
 #include "core/motion/execution.h"
 #include "core/planning/contacts.h"
 #include "core/view/clip_picture.h"
-#include "core/view/state_axes.h"
+#include "core/view/model_picture.h"
 #include "server/engine/representation.h"
 #include "storage/cancellable_lock.h"
 #include "storage/mutex.h"

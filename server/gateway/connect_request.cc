@@ -9,7 +9,7 @@
 
 #include "core/motion/error.h"
 #include "server/gateway/connect_json.h"
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "server/http2/grpc_wire.h"
 #include "server/translate/status_mapping.h"
 #include "text/utf8.h"

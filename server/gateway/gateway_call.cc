@@ -14,7 +14,7 @@
 #include "server/engine/work/memory_reserve.h"
 #include "server/gateway/connect_json.h"
 #include "server/gateway/connect_request.h"
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "server/http2/grpc_wire.h"
 #include "server/rpc/call_context.h"
 #include "server/rpc/call_identity.h"

@@ -1,6 +1,7 @@
 #include "server/gateway/openapi.h"
 
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

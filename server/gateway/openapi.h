@@ -1,12 +1,14 @@
 // The HTTP API as OpenAPI 3.1.
 #pragma once
 
-#include <google/protobuf/descriptor.pb.h>
-
 #include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
+
+namespace google::protobuf {
+class FileDescriptorSet;
+}  // namespace google::protobuf
 
 namespace motiondb::server {
 

@@ -3,6 +3,7 @@
 // DESCRIPTORS: a FileDescriptorSet of protoc with imports and source info. CC: C++ that defines
 // motiondb::server::kOpenApiJson.
 #include <fmt/format.h>
+#include <google/protobuf/descriptor.pb.h>
 
 #include <fstream>
 #include <string>

@@ -7,7 +7,7 @@
 
 #include "absl/strings/escaping.h"
 #include "core/motion/error.h"
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "server/http2/grpc_wire.h"
 #include "text/utf8.h"
 

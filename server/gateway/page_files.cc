@@ -17,7 +17,7 @@
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/escaping.h"
 #include "core/motion/error.h"
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "text/utf8.h"
 
 namespace motiondb::server {

@@ -5,11 +5,12 @@
 #include <memory>
 #include <variant>
 
-#include "server/engine/work/thread_pool.h"
 #include "server/http1/http_exchange.h"
-#include "server/rpc/call_context.h"
 
 namespace motiondb::server {
+
+struct ServiceContext;
+class ThreadPool;
 
 // What requests of sessions need. It must outlive them.
 struct SessionContext {

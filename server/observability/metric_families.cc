@@ -1,5 +1,7 @@
 #include "server/observability/metric_families.h"
 
+#include "server/observability/server_statistics.h"
+
 namespace motiondb::server {
 namespace {
 

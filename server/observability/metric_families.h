@@ -7,12 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "server/observability/server_statistics.h"
 #include "text/display_text.h"
 
 namespace motiondb::server {
 
-// Not thread-safe.
+struct ServerStatistics;
+
+// Collects families of metrics. Not thread-safe.
 class MetricFamilies {
  public:
   using Labels = std::vector<prometheus::ClientMetric::Label>;

@@ -107,7 +107,7 @@ class CallContext {
   // For the work.
   absl::Status ReserveWork(std::int64_t bytes);
 
-  // Call once, before the final status is sent. Writes the audit entry if the role table requires
+  // Call once, before the final status is sent. Writes the audit entry if the call's rule requires
   // it, and returns `status` with the request id. From now on the client has the idle timeout, and
   // one second for each 64 kB, to read the response. A call with a large response counts for the
   // limit of its class until the response is read.

@@ -11,7 +11,7 @@
 
 namespace motiondb::server {
 
-// An RPC with its row of the role table.
+// An RPC with its rule.
 struct Method {
   std::string name;                // "DatabaseService.GetDatabase"
   const CallRule* rule = nullptr;  // null: not in the table; the call is refused

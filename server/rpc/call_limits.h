@@ -11,7 +11,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/security/authorize.h"
+#include "server/security/call_rules.h"
 #include "storage/mutex.h"
 
 namespace motiondb::server {

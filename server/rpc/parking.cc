@@ -5,6 +5,8 @@
 
 namespace motiondb::server {
 
+using storage::MutexLock;
+
 struct IdleTimer::State {
   State(Executor& runs_on, std::chrono::milliseconds first, std::chrono::milliseconds further,
         std::function<void()> callback)
@@ -18,7 +20,7 @@ struct IdleTimer::State {
   static void Wait(const std::shared_ptr<State>& state)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(state->mutex) {
     state->timer->Set(state->latest, [state] {
-      const storage::MutexLock lock(state->mutex);
+      const MutexLock lock(state->mutex);
       if (state->ended) return;
       if (state->executor.Now() >= state->latest) {
         state->latest = state->executor.Now() + state->longest;
@@ -41,23 +43,21 @@ struct IdleTimer::State {
 IdleTimer::IdleTimer(Executor& executor, std::chrono::milliseconds first,
                      std::chrono::milliseconds longest, std::function<void()> on_idle)
     : state_(std::make_shared<State>(executor, first, longest, std::move(on_idle))) {
-  const storage::MutexLock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   State::Wait(state_);
 }
 
 IdleTimer::~IdleTimer() {
-  const storage::MutexLock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   state_->ended = true;
   state_->timer->Cancel();
 }
 
 void IdleTimer::Restart() {
   // The handler compares with `latest` when it fires, so a Restart does not set the timer.
-  const storage::MutexLock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   state_->latest = state_->executor.Now() + state_->longest;
 }
-
-using storage::MutexLock;
 
 void Parking::BeginStep() {
   const MutexLock lock(mutex_);

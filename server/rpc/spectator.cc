@@ -23,6 +23,8 @@
 namespace motiondb::server {
 namespace {
 
+using storage::MutexLock;
+
 // The answers of a stream for one spectator.
 class SpectatorSource {
  public:
@@ -64,8 +66,6 @@ class SpectatorSource {
 };
 
 // Calls of ListStreams and WatchStream that concern streams of other servers of a shared store.
-
-using storage::MutexLock;
 
 constexpr std::chrono::seconds kMaxListTime{1};
 

@@ -10,6 +10,13 @@
 #include "text/utf8.h"
 
 namespace motiondb::server {
+namespace {
+
+void AppendRow(const core::FrameMatrix& rows, int row, std::string& bytes) {
+  AppendPacked(rows.row(row).data(), static_cast<std::size_t>(rows.cols()), bytes);
+}
+
+}  // namespace
 
 void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
               const Snapshot* snapshot, v1::Model& message) {
@@ -42,9 +49,8 @@ void SetNode(const core::Model& model, int layer, int node, v1::Node& message) {
   message.set_node_id(node);
   if (layer > 1) message.set_parent_id(model.tree().parent(layer, node));
   message.set_frame_count(branch.end - branch.begin);
-  const auto dimensions = static_cast<std::size_t>(gaussians.dimension_count());
-  AppendPacked(gaussians.means().row(index).data(), dimensions, *message.mutable_mean());
-  AppendPacked(gaussians.variances().row(index).data(), dimensions, *message.mutable_variance());
+  AppendRow(gaussians.means(), index, *message.mutable_mean());
+  AppendRow(gaussians.variances(), index, *message.mutable_variance());
 }
 
 void SetStates(const core::Model& model, int first_frame, int end_frame,
@@ -68,10 +74,6 @@ void SetTransition(const Transition& transition, v1::Transition& message) {
 }
 
 namespace {
-
-void AppendRow(const core::FrameMatrix& rows, int row, std::string& bytes) {
-  AppendPacked(rows.row(row).data(), static_cast<std::size_t>(rows.cols()), bytes);
-}
 
 v1::VisualGeometry ToProto(core::LinkVisual::Geometry geometry) {
   switch (geometry) {

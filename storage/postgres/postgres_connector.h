@@ -16,7 +16,7 @@
 
 namespace motiondb::storage {
 
-// A URL as libpq takes it, with one parameter more.
+// The address of a store, parsed from a URL.
 struct PostgresAddress {
   // For libpq; may contain a password, so it is in no message.
   std::string url;
@@ -30,8 +30,8 @@ struct PostgresAddress {
   bool read_only = false;
 };
 
-// INVALID_ARGUMENT, without the text of the URL, if libpq cannot parse it or `pooled` is neither 0
-// nor 1.
+// `url`: as libpq takes it, with the parameter `pooled` in addition. INVALID_ARGUMENT, without the
+// text of the URL, if libpq cannot parse it or `pooled` is neither 0 nor 1.
 absl::StatusOr<PostgresAddress> ParsePostgresUrl(std::string_view url);
 
 struct CloseSession {

@@ -11,6 +11,11 @@
 #include "storage/sqlite/store_file.h"
 
 namespace motiondb::storage {
+namespace {
+
+constexpr int kPagesAtOnce = 256;
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::Make(Connection& reader,
                                                                  const std::string& store_path,
@@ -104,6 +109,23 @@ absl::StatusOr<bool> SqliteBackup::Read(std::string& block) {
   read_bytes_ += static_cast<std::int64_t>(block.size());
   digest_.Update(block);
   return true;
+}
+
+absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& cancelled) {
+  sqlite3_backup* const copy = sqlite3_backup_init(HandleOf(to), "main", HandleOf(from), "main");
+  if (copy == nullptr) return SqliteError(HandleOf(to), sqlite3_extended_errcode(HandleOf(to)));
+  int code = SQLITE_OK;
+  bool stopped = false;
+  while (code == SQLITE_OK && !stopped) {
+    stopped = cancelled && cancelled();
+    if (!stopped) code = sqlite3_backup_step(copy, kPagesAtOnce);
+  }
+  // Rolls back unless the last step finished the copy.
+  const int finished = sqlite3_backup_finish(copy);
+  if (stopped) return absl::CancelledError("cancelled while the store was copied");
+  if (code == SQLITE_DONE) code = finished;
+  if (code != SQLITE_OK) return SqliteError(HandleOf(to), code);
+  return absl::OkStatus();
 }
 
 }  // namespace motiondb::storage

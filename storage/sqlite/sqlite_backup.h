@@ -59,4 +59,9 @@ inline constexpr std::string_view kBackupMark = "mtdbback";
 inline constexpr std::size_t kBackupTrailerBytes = kBackupMark.size() + kSha256Bytes;
 inline constexpr std::size_t kBackupBlockBytes = 1 << 20;
 
+// Copies all pages from a consistent view of `from` to `to`; after an error `to` is unchanged.
+// REQUIRES: `from` is in a transaction that has read, or has no other writer; `to` is in no
+// transaction. CANCELLED, or the codes of SqliteError.
+absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& cancelled);
+
 }  // namespace motiondb::storage

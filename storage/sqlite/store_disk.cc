@@ -98,8 +98,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPagesAtOnce = 256;
-
 // Returns the prefix of the names of temporary files: hidden, to avoid names that users choose.
 std::string Prefix(const fs::path& store) { return fmt::format(".{}.", store.filename().string()); }
 
@@ -167,23 +165,6 @@ void DeleteStaleCopies(const std::string& store_path) {
     if (IsOfCopy(entry.path().filename().string(), path)) stale.push_back(entry.path());
   }
   for (const fs::path& file : stale) fs::remove(file, ignored);
-}
-
-absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& cancelled) {
-  sqlite3_backup* const copy = sqlite3_backup_init(HandleOf(to), "main", HandleOf(from), "main");
-  if (copy == nullptr) return SqliteError(HandleOf(to), sqlite3_extended_errcode(HandleOf(to)));
-  int code = SQLITE_OK;
-  bool stopped = false;
-  while (code == SQLITE_OK && !stopped) {
-    stopped = cancelled && cancelled();
-    if (!stopped) code = sqlite3_backup_step(copy, kPagesAtOnce);
-  }
-  // Rolls back unless the last step finished the copy.
-  const int finished = sqlite3_backup_finish(copy);
-  if (stopped) return absl::CancelledError("cancelled while the store was copied");
-  if (code == SQLITE_DONE) code = finished;
-  if (code != SQLITE_OK) return SqliteError(HandleOf(to), code);
-  return absl::OkStatus();
 }
 
 }  // namespace motiondb::storage

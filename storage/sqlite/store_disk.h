@@ -51,8 +51,8 @@ class DiskReserve {
   const std::int64_t bytes_;
 };
 
-// Temporary files beside the store, of backup, restore, export and import, and copying a store
-// between connections. A store without a file has a folder for them.
+// Temporary files beside the store, of backup, restore, export and import. A store without a file
+// has a folder for them.
 
 // A unique hidden file name beside the store. The destructor deletes the file.
 class CopyFile {
@@ -89,10 +89,5 @@ class CopyFolder {
 
 // Deletes temporary files of a killed process. REQUIRES: the caller holds the StoreLock.
 void DeleteStaleCopies(const std::string& store_path);
-
-// Copies all pages from a consistent view of `from` to `to`; after an error `to` is unchanged.
-// REQUIRES: `from` is in a transaction that has read, or has no other writer; `to` is in no
-// transaction. CANCELLED, or the codes of SqliteError.
-absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& cancelled);
 
 }  // namespace motiondb::storage

@@ -1,5 +1,5 @@
-// Opening the file of a store: checks and settings of each connection. docs/architecture.md
-// explains the settings.
+// Opening the file of a store, and its format: checks and settings of each connection.
+// docs/architecture.md explains the settings.
 #pragma once
 
 #include <cstddef>

@@ -14,7 +14,7 @@
 #include "client/cli/import_messages.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/plot/body_figure.h"
-#include "client/cli/plot/canvas.h"
+#include "client/cli/plot/picture_file.h"
 #include "client/cli/terminal/print.h"
 #include "client/cli/terminal/terminal.h"
 #include "client/output_file.h"

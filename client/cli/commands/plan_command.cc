@@ -9,8 +9,8 @@
 #include "client/cli/motion_file.h"
 #include "client/cli/plan_request.h"
 #include "client/cli/plan_text.h"
-#include "client/cli/plot/canvas.h"
 #include "client/cli/plot/floor_plan.h"
+#include "client/cli/plot/picture_file.h"
 #include "client/cli/terminal/print.h"
 #include "client/output_file.h"
 

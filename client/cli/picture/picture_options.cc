@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "client/cli/plan_request.h"
-#include "client/cli/plot/canvas.h"
+#include "client/cli/plot/picture_file.h"
 #include "client/cli/terminal/print.h"
 #include "client/output_file.h"
 

@@ -17,7 +17,7 @@
 #include "client/cli/plan_request.h"
 #include "client/cli/plan_text.h"
 #include "client/cli/plot/floor_plan.h"
-#include "client/cli/plot/recognition_plot_profile.h"
+#include "client/cli/query/query_files.h"
 #include "client/cli/query/query_options.h"
 #include "client/cli/resource_name.h"
 

@@ -2,7 +2,6 @@
 // pixels, x to the right, y downwards. Values that are not finite are drawn as 0.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,7 +9,6 @@
 #include <variant>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
 namespace motiondb::client {
@@ -173,15 +171,5 @@ std::string SvgOf(const Canvas& canvas);
 // Returns a PNG file with one pixel for each unit of the canvas. RESOURCE_EXHAUSTED: the picture is
 // too large.
 absl::StatusOr<std::string> PngOf(const Canvas& canvas);
-
-// The type name of an option that names a picture.
-inline constexpr char kPictureFile[] = "FILE.svg|png";
-
-// Returns UsageError, with the name of the option, unless the file is FILE.svg or FILE.png. An
-// empty name is accepted.
-absl::Status CheckPictureFile(const char* option, const std::string& file);
-
-// Writes the picture in the format of the file's extension (WriteFileAtomically, PngOf).
-absl::Status WritePicture(const std::filesystem::path& file, const Canvas& canvas);
 
 }  // namespace motiondb::client

@@ -4,7 +4,6 @@
 
 #include <motiondb/messages.h>
 
-#include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>

@@ -1,14 +1,12 @@
 // Generation probabilities of an observation over time, as in the paper's Figs. 13-15.
 #pragma once
 
-#include <motiondb/client.h>
 #include <motiondb/messages.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "client/cli/plot/canvas.h"
 #include "client/cli/plot/recognition_plot_layout.h"
 
@@ -52,10 +50,5 @@ std::vector<int> PlottedLayers(int bottom_layer);
 // `request` is the request of the first layer; layer 0 is the bottom layer.
 Canvas ProfilePicture(const v1::RecognizeRequest& request,
                       const std::vector<v1::RecognizeResponse>& layers);
-
-// Asks for all clips by the paper's method at each layer, and returns the picture. No layers: the
-// bottom layer, a middle and an upper one. Ignores method, layer and number of clips of `request`.
-absl::StatusOr<Canvas> AskForProfile(const Client& client, v1::RecognizeRequest request,
-                                     const std::vector<int>& layers);
 
 }  // namespace motiondb::client

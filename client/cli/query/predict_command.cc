@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "client/cli/command.h"
+#include "client/cli/query/estimation_prediction_text.h"
 #include "client/cli/query/query_files.h"
 #include "client/cli/query/query_options.h"
-#include "client/cli/query/state_text.h"
 
 namespace motiondb::client {
 

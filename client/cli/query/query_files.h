@@ -1,4 +1,5 @@
-// Asks a query for each of several files and prints the answers: as text, JSON or CSV.
+// Asks a query for each of several files and prints the answers: as text, JSON or CSV. Also asks
+// for a generation profile, which needs several queries.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -8,9 +9,12 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/cli/command.h"
+#include "client/cli/plot/canvas.h"
 #include "client/cli/query/query_options.h"
 #include "client/cli/terminal/print.h"
 
@@ -50,5 +54,10 @@ absl::Status AskForFiles(
     const QueryOptions& options, const GlobalOptions& global,
     const std::function<absl::Status(const Client& client, QueriedFile& file)>& ask,
     const std::string& options_of_one = "");
+
+// Asks for all clips by the paper's method at each layer, and returns the picture. No layers: the
+// bottom layer, a middle and an upper one. Ignores method, layer and number of clips of `request`.
+absl::StatusOr<Canvas> AskForProfile(const Client& client, v1::RecognizeRequest request,
+                                     const std::vector<int>& layers);
 
 }  // namespace motiondb::client

@@ -13,15 +13,9 @@
 #include "core/view/clip_picture.h"
 #include "server/engine/representation.h"
 
-namespace motiondb::core {
-struct MarkerScheme;
-class Skeleton;
-}  // namespace motiondb::core
-
 namespace motiondb::server {
 
 class Engine;
-class LiveDatabase;
 
 // Points, bones and shapes.
 struct Figure {

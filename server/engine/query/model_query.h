@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/model/build_settings.h"
-#include "core/view/state_axes.h"
+#include "core/view/model_picture.h"
 #include "storage/records.h"
 
 namespace motiondb::core {

@@ -10,6 +10,7 @@
 #include "core/format/plausibility.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
+#include "server/engine/database_caches.h"
 #include "server/engine/live_database.h"
 #include "server/engine/request_checks.h"
 #include "server/engine/source_reader.h"

@@ -13,15 +13,16 @@
 #include "core/motion/matrix.h"
 #include "core/motion/motion.h"
 #include "core/motion/states.h"
-#include "server/engine/database_caches.h"
 #include "server/engine/representation.h"
 
 namespace motiondb::server {
 
 class LiveDatabase;
+class SkeletonCache;
 
-// Frames as packed in a request. Sizes are checked before memory is allocated. Errors are
-// INVALID_ARGUMENT naming the field and, if possible, the frame.
+// Frames as packed in a request. The functions return INVALID_ARGUMENT, naming the field and, if
+// possible, the frame. Sizes are checked before memory is allocated.
+
 struct PackedFrames {
   int frame_count = 0;
   std::string_view values;  // float32, little-endian, row-major

@@ -104,8 +104,6 @@ absl::Status InsertModelClips(Connection& connection, std::int64_t model_key, st
   return absl::OkStatus();
 }
 
-namespace {}  // namespace
-
 absl::StatusOr<std::unique_ptr<ModelStates>> ModelStates::Find(Connection& connection,
                                                                std::int64_t current_key,
                                                                std::int64_t built_key) {

@@ -1,4 +1,5 @@
-// Frees the disk space of deleted databases, a few megabytes per transaction.
+// Frees the disk space of deleted databases, a few megabytes per transaction; and the list of
+// databases that are being imported, which a purge must leave.
 #pragma once
 
 #include <cstdint>

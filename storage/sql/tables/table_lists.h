@@ -31,8 +31,6 @@ struct ChangedRow {
 absl::StatusOr<std::vector<ChangedRow>> FindRows(Connection& connection, std::string_view table,
                                                  std::string_view condition);
 
-// The tables whose rows are copied have this order: each comes after those that it refers to.
-
 struct CopiedColumn {
   std::string name;
   std::string refers_to;  // the table whose key it contains; empty: none
@@ -54,10 +52,10 @@ struct CopiedTable {
   }
 };
 
-// The tables with the content of one database: not its operations. With `texts` also the table
-// clip_text, which is derived from the others.
+// The tables with the content of one database, each after those that it refers to: not its
+// operations. With `texts` also the table clip_text, which is derived from the others.
 std::vector<CopiedTable> TablesOfDatabase(bool texts);
-// All tables but clip_text.
+// All tables but clip_text, each after those that it refers to.
 std::vector<CopiedTable> TablesOfStore();
 // The table clip_text, with a condition that is always true.
 CopiedTable TextTable();

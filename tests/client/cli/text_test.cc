@@ -13,8 +13,8 @@
 #include <set>
 
 #include "client/cli/database_text.h"
+#include "client/cli/query/estimation_prediction_text.h"
 #include "client/cli/query/recognition_text.h"
-#include "client/cli/query/state_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/terminal/print.h"
 #include "client/cli/terminal/terminal.h"

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "client/cli/plot/recognition_plot_layout.h"
 #include "tests/client/plot/png_pixels.h"
 #include "tests/client/plot/svg_elements.h"
 

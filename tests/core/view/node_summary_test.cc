@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/model/model.h"
-#include "core/view/state_axes.h"
+#include "core/view/model_picture.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests::node_summary_test {

@@ -2,7 +2,7 @@
 // JSON of a request, which must be equal after a conversion to protobuf and back.
 #include "motiondb/v1/query.pb.h"
 #include "server/gateway/connect_json.h"
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/properties.h"
 

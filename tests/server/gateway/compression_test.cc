@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"
 

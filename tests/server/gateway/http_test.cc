@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "server/gateway/page_files.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"

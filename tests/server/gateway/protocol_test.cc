@@ -9,7 +9,7 @@
 
 #include "motiondb/v1/database.pb.h"
 #include "motiondb/v1/error.pb.h"
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"
 

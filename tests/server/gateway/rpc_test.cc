@@ -16,7 +16,7 @@
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/gateway/connect_json.h"
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 #include "server/rpc/call_identity.h"
 #include "tests/server/gateway/web_client.h"
 #include "tests/server/gateway/web_server.h"

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/view/state_axes.h"
+#include "core/view/model_picture.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/model.grpc.pb.h"
 #include "motiondb/v1/segment.grpc.pb.h"

@@ -7,7 +7,7 @@
 #include "core/format/motion_file.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/motion/states.h"
-#include "core/view/state_axes.h"
+#include "core/view/model_picture.h"
 #include "motiondb/v1/access.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/view.grpc.pb.h"

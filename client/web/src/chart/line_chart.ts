@@ -1,6 +1,6 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import { arrowOf } from '../dom/keyboard';
+import { arrowOf } from '../dom/arrow_keys';
 import { element } from '../dom/element';
 import type { ThemeSwitch } from '../shell/theme';
 import {

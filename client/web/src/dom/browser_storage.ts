@@ -1,6 +1,6 @@
-// What the browser stores for the page. Storage can be blocked.
+// Choices of the user that the browser stores, such as the theme. If storage is blocked, a choice
+// lasts until the page is closed.
 
-// A choice of the user, such as the theme. If storage is blocked, it lasts until the page is closed.
 export function readChoice(name: string): string | null {
   try {
     return localStorage.getItem(`motiondb.${name}`);
@@ -14,34 +14,5 @@ export function storeChoice(name: string, value: string): void {
     localStorage.setItem(`motiondb.${name}`, value);
   } catch {
     // Blocked.
-  }
-}
-
-const kReloadMark = 'motiondb.reloaded';
-
-// Loads the page again if scripts of a view could not be loaded: browsers remember that they failed.
-// Not again until scripts are loaded: otherwise scripts that a proxy or the browser blocks would load
-// the page again and again. The mark of a new load is in the storage of the tab.
-export class ScriptReload {
-  constructor(private readonly reload: () => void) {}
-
-  // Does nothing if the page was loaded again already, or if storage is blocked.
-  tryOnce(): void {
-    try {
-      if (sessionStorage.getItem(kReloadMark) !== null) return;
-      sessionStorage.setItem(kReloadMark, '1');
-    } catch {
-      return;
-    }
-    this.reload();
-  }
-
-  // Call when scripts of a view are loaded.
-  loaded(): void {
-    try {
-      sessionStorage.removeItem(kReloadMark);
-    } catch {
-      // Blocked.
-    }
   }
 }

@@ -26,7 +26,5 @@ export function downloadBytes(
   const url = URL.createObjectURL(new Blob([...parts] as BlobPart[], { type }));
   const link = element('a', { href: url, download: fileName });
   link.click();
-  setTimeout(() => {
-    URL.revokeObjectURL(url);
-  }, 60_000);
+  setTimeout(URL.revokeObjectURL.bind(URL, url), 60_000);
 }

@@ -1,6 +1,6 @@
 import { Spherical, Vector3, type PerspectiveCamera } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
-import { arrowOf, type Arrow } from '../dom/keyboard';
+import { arrowOf, type Arrow } from '../dom/arrow_keys';
 
 const kTurn = Math.PI / 36;
 const kZoom = 1.1;

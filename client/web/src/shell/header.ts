@@ -1,6 +1,6 @@
 import { mayActAs, type Session } from '../api/session';
 import { button, element, replaceChildren } from '../dom/element';
-import { keepFocus } from '../dom/keyboard';
+import { keepFocus } from '../dom/focus';
 import { hrefOf } from './place';
 import type { Route } from './routes';
 import type { ThemeSwitch } from './theme';

@@ -4,7 +4,7 @@ import { hasCode } from '../api/errors';
 import { lastPart } from '../api/resource_names';
 import { SegmentSource, type Operation, type WatchDatabaseResponse } from '../api/messages';
 import { button, element, labelled, replaceChildren } from '../dom/element';
-import { keepFocus } from '../dom/keyboard';
+import { keepFocus } from '../dom/focus';
 import { Notice } from '../dom/notice';
 import { snapToFrame } from '../motion/motion';
 import type { PlaybackClock } from '../player/playback_clock';

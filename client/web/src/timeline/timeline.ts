@@ -1,5 +1,5 @@
 import { element, replaceChildren } from '../dom/element';
-import { keepFocus } from '../dom/keyboard';
+import { keepFocus } from '../dom/focus';
 import { clock as clockText } from '../dom/format';
 import { labelClass } from '../drawing/labels';
 import { moveEdge, ticksOf, tracksOf, type Edge, type TimeRange } from './segment_edit';

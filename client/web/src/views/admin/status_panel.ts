@@ -3,7 +3,7 @@ import { lastPart } from '../../api/resource_names';
 import { LineChart, type ChartLine } from '../../chart/line_chart';
 import type { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/keyboard';
+import { keepFocus } from '../../dom/focus';
 import { bytes, count, percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import { poll } from '../../watch/waiting';

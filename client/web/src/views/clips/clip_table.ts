@@ -1,7 +1,7 @@
 import type { Clip } from '../../api/messages';
 import { lastPart } from '../../api/resource_names';
 import { button, element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/keyboard';
+import { keepFocus } from '../../dom/focus';
 import { count, seconds, time } from '../../dom/format';
 import { hrefOf } from '../../shell/place';
 import { labelClass } from '../../drawing/labels';

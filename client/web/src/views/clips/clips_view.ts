@@ -4,7 +4,7 @@ import { databaseName } from '../../api/resource_names';
 import { mayActAs } from '../../api/session';
 import { Disposer } from '../../dom/disposer';
 import { button, element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/keyboard';
+import { keepFocus } from '../../dom/focus';
 import { count } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { OpenView, ViewContext, ViewParams } from '../../shell/view';

@@ -1,6 +1,6 @@
 import type { Facet } from '../../api/messages';
 import { button, element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/keyboard';
+import { keepFocus } from '../../dom/focus';
 import { count } from '../../dom/format';
 import { facetTerm, hasTerm, toggleTerm } from './filter_text';
 

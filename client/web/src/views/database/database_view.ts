@@ -3,7 +3,7 @@ import { DatabaseView } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { Disposer } from '../../dom/disposer';
 import { element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/keyboard';
+import { keepFocus } from '../../dom/focus';
 import { percent } from '../../dom/format';
 import { Notice } from '../../dom/notice';
 import type { View, ViewContext, ViewParams } from '../../shell/view';

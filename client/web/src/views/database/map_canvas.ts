@@ -1,6 +1,6 @@
+import { arrowOf } from '../../dom/arrow_keys';
 import { element } from '../../dom/element';
 import { Fingers, type PicturePlace } from '../../dom/fingers';
-import { arrowOf } from '../../dom/keyboard';
 import { strongestTransitions } from './level_of_detail';
 import type { MapAppearance, MapPicture } from './map_picture';
 import { parallelMatrix, pick, projectPoints } from './projection';

@@ -1,6 +1,6 @@
 import { lastPart } from '../../api/resource_names';
 import { button, element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/keyboard';
+import { keepFocus } from '../../dom/focus';
 import { labelName, swatch } from '../../drawing/labels';
 import { clipColor, LabelPalette, rgbOf, labelStyles } from '../../drawing/palette';
 import type { ThemeName } from '../../shell/theme';

@@ -1,5 +1,5 @@
+import { arrowOf } from '../../dom/arrow_keys';
 import { button, element } from '../../dom/element';
-import { arrowOf } from '../../dom/keyboard';
 import type { FloorXY } from './floor_geometry';
 
 // A tool that places a pose.

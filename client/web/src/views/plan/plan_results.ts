@@ -1,7 +1,7 @@
 import { PlanOutcome, type PlannedMotion, type PlanResponse } from '../../api/messages';
 import { lastPart } from '../../api/resource_names';
 import { button, element, replaceChildren } from '../../dom/element';
-import { keepFocus } from '../../dom/keyboard';
+import { keepFocus } from '../../dom/focus';
 
 const kOutcomes: Record<PlanOutcome, string> = {
   [PlanOutcome.UNSPECIFIED]: '',

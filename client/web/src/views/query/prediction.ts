@@ -2,8 +2,6 @@ import type { Api } from '../../api/api';
 import type { EstimateResponse, PredictResponse } from '../../api/messages';
 import { databaseName } from '../../api/resource_names';
 import { floatsOf } from '../../motion/motion';
-import { type FigurePoints, FigureObject } from '../../scene/figure_object';
-import type { Scene } from '../../scene/scene';
 import {
   meanMarkerError,
   poseAt,
@@ -89,33 +87,4 @@ export function centred(positions: Float32Array, like = positions): Float32Array
   }
   const shift = [x / Math.max(1, count), y / Math.max(1, count), 0];
   return positions.map((value, i) => value - shift[i % 3]!);
-}
-
-// Predicted poses as ghosts, and the poses that then followed, in a scene: two draw calls a pose.
-export class Ghosts {
-  private figures: FigureObject[] = [];
-
-  constructor(private readonly scene: Scene | undefined) {}
-
-  show(figure: FigurePoints, poses: readonly ComparedPose[]): void {
-    this.clear();
-    if (!this.scene) return;
-    for (const [i, pose] of poses.entries()) {
-      const opacity = 0.75 - (0.5 * i) / Math.max(1, poses.length);
-      this.add(figure, pose.predicted, '--ghost', opacity);
-      if (pose.observed) this.add(figure, pose.observed, '--trail', 0.6 * opacity);
-    }
-  }
-
-  clear(): void {
-    for (const figure of this.figures) figure.dispose();
-    this.figures = [];
-  }
-
-  private add(figure: FigurePoints, pose: Float32Array, color: string, opacity: number): void {
-    if (!this.scene) return;
-    const object = new FigureObject(this.scene, figure, { color, opacity, pointRadius: 0.016 });
-    object.update(pose);
-    this.figures.push(object);
-  }
 }

@@ -1,11 +1,12 @@
+#include "server/security/token_registry.h"
+
 #include <catch2/catch.hpp>
 #include <set>
 #include <string>
 
 #include "absl/strings/escaping.h"
-#include "server/security/token_registry.h"
 
-namespace motiondb::tests::secret_test {
+namespace motiondb::tests::token_registry_test {
 namespace {
 
 TEST_CASE("Secret: random bytes have the requested size and differ each time", "[security]") {
@@ -46,4 +47,4 @@ TEST_CASE("Secret: compares bytes", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests::secret_test
+}  // namespace motiondb::tests::token_registry_test

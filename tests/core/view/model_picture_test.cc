@@ -1,5 +1,5 @@
 // Oracle: an eigendecomposition of the covariance in double precision.
-#include "core/view/state_axes.h"
+#include "core/view/model_picture.h"
 
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
@@ -8,7 +8,7 @@
 #include "tests/support/synthetic_states.h"
 #include "tests/support/threads.h"
 
-namespace motiondb::tests::state_axes_test {
+namespace motiondb::tests::model_picture_test {
 namespace {
 
 // Normal states with clearly different variances along random directions, far from the origin.
@@ -112,4 +112,4 @@ TEST_CASE("FindStateAxes: is cancelled between blocks", "[core][view]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests::state_axes_test
+}  // namespace motiondb::tests::model_picture_test

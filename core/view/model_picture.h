@@ -1,5 +1,5 @@
-// Pictures of the states of a model (Figs. 6 to 10): principal axes of all states with the frames
-// in them, and what is shown of the nodes of a layer.
+// Geometry for pictures of the states of a model (Figs. 6 to 10): principal axes of all states with
+// the frames in them, and what is shown of the nodes of a layer.
 #pragma once
 
 #include <Eigen/Core>

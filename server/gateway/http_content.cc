@@ -1,4 +1,4 @@
-#include "server/gateway/content_encoding.h"
+#include "server/gateway/http_content.h"
 
 #include <zlib.h>
 

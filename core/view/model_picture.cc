@@ -1,4 +1,4 @@
-#include "core/view/state_axes.h"
+#include "core/view/model_picture.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

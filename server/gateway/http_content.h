@@ -1,5 +1,5 @@
-// How the content of HTTP is encoded: values of headers (RFC 9110), gzip (RFC 1952), and the
-// envelopes of streams in the Connect protocol.
+// Values of HTTP headers (RFC 9110), gzip (RFC 1952), and the envelopes of streams in the Connect
+// protocol.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 import { afterEach, expect, test, vi } from 'vitest';
 import { element } from './element';
-import { focusHeading } from './keyboard';
+import { focusHeading } from './focus';
 
 afterEach(() => {
   document.body.replaceChildren();

@@ -1,10 +1,10 @@
+#include "client/cli/usage/usage_error.h"
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "client/cli/usage/usage_error.h"
-
-namespace motiondb::tests::suggestion_test {
+namespace motiondb::tests::usage_error_test {
 namespace {
 
 using client::DidYouMean;
@@ -50,4 +50,4 @@ TEST_CASE("DidYouMean: the nearest word, if one is near", "[client][cli]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests::suggestion_test
+}  // namespace motiondb::tests::usage_error_test

@@ -1,5 +1,7 @@
 // Compares the role table with the .proto files: every RPC has a row, every row has an RPC, and the
 // fields of all rows exist.
+#include "server/security/call_rules.h"
+
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
 
@@ -13,13 +15,12 @@
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/rpc/call_identity.h"
-#include "server/security/authorize.h"
 #include "server/translate/message_fields.h"
 #include "tests/support/project_paths.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests::role_table_test {
+namespace motiondb::tests::call_rules_test {
 namespace {
 
 using google::protobuf::FileDescriptor;
@@ -116,4 +117,4 @@ TEST_CASE("Method: every request type belongs to one RPC", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests::role_table_test
+}  // namespace motiondb::tests::call_rules_test

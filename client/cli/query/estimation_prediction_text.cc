@@ -1,4 +1,4 @@
-#include "client/cli/query/state_text.h"
+#include "client/cli/query/estimation_prediction_text.h"
 
 #include <fmt/format.h>
 #include <motiondb/client.h>

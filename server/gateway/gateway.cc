@@ -20,6 +20,7 @@
 #include "server/gateway/session.h"
 #include "server/http1/http1_connection.h"
 #include "server/listen/listener.h"
+#include "server/rpc/call_context.h"
 #include "server/security/security_options.h"
 #include "server/translate/status_mapping.h"
 

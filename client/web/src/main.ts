@@ -1,3 +1,4 @@
+import './style/theme.css';
 import './style/page.css';
 import './style/labels.css';
 import { kRoutes } from './shell/routes';

@@ -45,22 +45,26 @@ endfunction()
 # names must be unique in a target, and each test file has its own namespace. GLUE marks a target
 # that uses gRPC, protobuf, Asio or CLI11, whose headers are the largest: it compiles more files
 # together, with less optimisation, because it converts and calls. Other targets use the precompiled
-# headers. Tests compute, so they are optimised a little: with the Address Sanitizer tree_tests take
-# a quarter of their time at -O0.
-function(motiondb_compile name glue precompiled)
+# headers. TEST marks test code: GLUE is not optimised there (a quarter faster than -O1), the rest a
+# little, because it computes: with the Address Sanitizer tree_tests take a quarter of their time at
+# -O0.
+function(motiondb_compile name glue test)
   target_compile_options(${name} PRIVATE ${MOTIONDB_WARNINGS})
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
-  if(precompiled STREQUAL motiondb_test_precompiled)
-    target_compile_options(${name} PRIVATE $<IF:$<BOOL:${glue}>,-O0,-O1>)
-  elseif(glue AND MOTIONDB_SANITIZE)
-    target_compile_options(${name} PRIVATE -O0)
-  elseif(glue)
-    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  endif()
   if(glue)
     set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
+    if(test OR MOTIONDB_SANITIZE)
+      target_compile_options(${name} PRIVATE -O0)
+    else()
+      target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+    endif()
     target_compile_options(${name} PRIVATE "SHELL:-include text/compiled_format.h")
     return()
+  endif()
+  set(precompiled motiondb_precompiled)
+  if(test)
+    set(precompiled motiondb_test_precompiled)
+    target_compile_options(${name} PRIVATE -O1)
   endif()
   foreach(library ${MOTIONDB_PRECOMPILED_DEPENDS})
     target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:${library}>)
@@ -69,25 +73,19 @@ function(motiondb_compile name glue precompiled)
 endfunction()
 
 function(motiondb_library name)
-  cmake_parse_arguments(arg "GLUE" "PRECOMPILED" "SOURCES;DEPENDS" ${ARGN})
-  if(NOT arg_PRECOMPILED)
-    set(arg_PRECOMPILED motiondb_precompiled)
-  endif()
+  cmake_parse_arguments(arg "GLUE;TEST" "" "SOURCES;DEPENDS" ${ARGN})
   add_library(${name} STATIC ${arg_SOURCES})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_link_libraries(${name} PUBLIC ${arg_DEPENDS})
-  motiondb_compile(${name} ${arg_GLUE} ${arg_PRECOMPILED})
+  motiondb_compile(${name} ${arg_GLUE} ${arg_TEST})
 endfunction()
 
 function(motiondb_executable name)
-  cmake_parse_arguments(arg "GLUE" "PRECOMPILED" "SOURCES;DEPENDS" ${ARGN})
-  if(NOT arg_PRECOMPILED)
-    set(arg_PRECOMPILED motiondb_precompiled)
-  endif()
+  cmake_parse_arguments(arg "GLUE;TEST" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS})
-  motiondb_compile(${name} ${arg_GLUE} ${arg_PRECOMPILED})
+  motiondb_compile(${name} ${arg_GLUE} ${arg_TEST})
 endfunction()
 
 # motiondb_test(NAME [PART2 PATTERN] SOURCES... DEPENDS...): a Catch2 program. The cases that PATTERN
@@ -99,7 +97,7 @@ function(motiondb_test name)
   if(arg_GLUE)
     set(glue GLUE)
   endif()
-  motiondb_executable(${name} ${glue} PRECOMPILED motiondb_test_precompiled
+  motiondb_executable(${name} ${glue} TEST
     SOURCES ${arg_SOURCES} DEPENDS motiondb_test_support ${arg_DEPENDS})
   set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 6)
   # Comparisons over all recorded motion take minutes with a sanitizer and find nothing new there:

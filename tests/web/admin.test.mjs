@@ -139,7 +139,6 @@ test('the charts show what the server reports', async (t) => {
   );
   await Promise.all(burst);
   await until(async () => assert.ok((await most('Calls per second')) > 50), 60);
-  // A line between two numbers of the axis has no scale.
   await until(async () => {
     const { body } = await call(setup.open, 'ServerService/GetServerStatus', {});
     const memory = await last('Memory of the server');

@@ -115,6 +115,20 @@ test('another theme and other lines keep the zoom', async () => {
   expect(chart.node.childElementCount).toBe(0);
 });
 
+test('the axis has at least two numbers', async () => {
+  const chart = await openChart({ height: 150 });
+  for (let least = 141; least < 142; least += 0.03)
+    for (let range = 0.1; range < 1; range *= 1.2) {
+      const write = vi.fn();
+      context['fillText'] = write;
+      chart.setData([0, 1], [{ name: 'a', color: '--left', values: [least, least + range] }]);
+      await drawn();
+      const numbers = write.mock.calls.filter(([text]: unknown[]) => /^14[0-9]/.test(String(text)));
+      expect(numbers.length, `from ${least} to ${least + range}`).toBeGreaterThanOrEqual(2);
+    }
+  chart.dispose();
+});
+
 test('the keys up and down choose lines', async () => {
   const near = vi.fn();
   const chart = await openChart({ near });

@@ -42,6 +42,11 @@ export interface ChartOptions {
 
 const kHeight = 180;
 
+// The least pixels between two numbers of an axis of `pixels`. One number would not show the scale;
+// uPlot takes at most twice this space.
+const spaceOfNumbers: uPlot.Axis.Space = (_chart, _axis, _min, _max, pixels) =>
+  Math.min(24, pixels / 4);
+
 // Lines over a common x, with a vertical line at a moment. The keys +, - and 0, dragging and two
 // fingers zoom; other values keep the zoom.
 export class LineChart {
@@ -153,7 +158,10 @@ export class LineChart {
         // As all times of the page and of the log.
         tzDate: (seconds) => uPlot.tzDate(new Date(1000 * seconds), 'Etc/UTC'),
         legend: { show: this.options.legend !== false },
-        axes: [xAxis, { ...axis, label: this.unit, size: 56, labelSize: 18, space: 24 }],
+        axes: [
+          xAxis,
+          { ...axis, label: this.unit, size: 56, labelSize: 18, space: spaceOfNumbers },
+        ],
         series: [
           { label: this.options.times === true ? 'time' : (this.options.x ?? 's') },
           ...this.lines.map((line) => ({

@@ -39,6 +39,10 @@ function(motiondb_precompiled_headers name)
   target_link_libraries(${name} PRIVATE ${MOTIONDB_PRECOMPILED_DEPENDS})
   target_compile_options(${name} PRIVATE ${MOTIONDB_WARNINGS})
   target_precompile_headers(${name} PRIVATE ${ARGN})
+  if(CCACHE)
+    set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER
+      "${PROJECT_SOURCE_DIR}/deploy/cmake/compile_anew.sh;${CMAKE_CXX_COMPILER_LAUNCHER}")
+  endif()
 endfunction()
 
 # Unity builds compile several files together, because headers need most of the compile time. So

@@ -48,21 +48,20 @@ absl::StatusOr<SchemaObjects> ExpectedDefinitions() {
 
 absl::Status Migrate(Connection& connection, std::span<const char* const> migrations) {
   const auto latest = static_cast<std::int64_t>(migrations.size());
-  MOTIONDB_ASSIGN_OR_RETURN(std::int64_t version, connection.QueryInteger("PRAGMA user_version"));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto version, connection.QueryInteger("PRAGMA user_version"));
   if (version < 0 || version > latest) {
     return core::FailedPrecondition(
         "the store is of version {}, from a newer motiondb; this one supports versions up to {}",
         version, latest);
   }
-  for (; version < latest; ++version) {
-    MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
-                              Transaction::Begin(connection, Transaction::Kind::kWrite));
-    MOTIONDB_RETURN_IF_ERROR(connection.Execute(migrations[version]));
-    MOTIONDB_RETURN_IF_ERROR(
-        connection.Execute(fmt::format("PRAGMA user_version = {}", version + 1)));
-    MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
+  if (version == latest) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
+                            Transaction::Begin(connection, Transaction::Kind::kWrite));
+  for (const char* const migration : migrations.subspan(static_cast<std::size_t>(version))) {
+    MOTIONDB_RETURN_IF_ERROR(connection.Execute(migration));
   }
-  return absl::OkStatus();
+  MOTIONDB_RETURN_IF_ERROR(connection.Execute(fmt::format("PRAGMA user_version = {}", latest)));
+  return transaction.Commit();
 }
 
 absl::Status CheckSchema(Connection& connection) {

@@ -204,8 +204,9 @@ TEST_CASE("Migrate: a failed migration keeps the former version", "[storage][mig
   const StoreFile file;
   const auto connection = Require(
       storage::SqliteConnection::Open(file.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
-  const char* const steps[] = {"CREATE TABLE t (a INTEGER) STRICT;",
-                               "INSERT INTO t VALUES (1); INSERT INTO t VALUES ('x');"};
+  const char* const steps[] = {"CREATE TABLE t (a INTEGER) STRICT;", "INSERT INTO t VALUES (1);",
+                               "INSERT INTO t VALUES (2); INSERT INTO t VALUES ('x');"};
+  REQUIRE_OK(storage::Migrate(*connection, std::span(steps).first(1)));
   REQUIRE_FALSE(storage::Migrate(*connection, steps).ok());
   REQUIRE(Require(connection->QueryInteger("PRAGMA user_version")) == 1);
   REQUIRE(Require(connection->QueryInteger("SELECT count(*) FROM t")) == 0);

@@ -86,6 +86,22 @@ absl::Status CheckOptions(const RecognizeOptions& options) {
   return CheckPathCount(options.path_count);
 }
 
+WindowPlan PlanWindows(const Model& model, const StateSequence& observation,
+                       const RecognizeOptions& options) {
+  const int frames = observation.frame_count();
+  const auto in_frames = [&](double seconds) {
+    return static_cast<int>(
+        std::max(1.0, std::min<double>(std::round(seconds * observation.frame_rate_hz), frames)));
+  };
+  WindowPlan plan;
+  plan.width = options.whole ? frames : in_frames(options.window_seconds);
+  plan.hop = in_frames(options.hop_seconds);
+  plan.count = 1 + (frames - plan.width) / plan.hop;
+  plan.is_aligned = options.method == Method::kBest && !model.metric().empty();
+  plan.uses_graph = !plan.is_aligned || model.recognition().Of(options.whole).familiarity.empty();
+  return plan;
+}
+
 absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
                                                         const StateSequence& observation,
                                                         const RecognizeOptions& options,
@@ -94,16 +110,7 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
   MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options.layer));
   MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, observation));
 
-  const double rate = observation.frame_rate_hz;
-  const int frames = observation.frame_count();
-  const auto in_frames = [&](double seconds) {
-    return static_cast<int>(
-        std::clamp(std::round(seconds * rate), 1.0, static_cast<double>(frames)));
-  };
-  const int width = options.whole ? frames : in_frames(options.window_seconds);
-  const int hop = in_frames(options.hop_seconds);
-  const bool align = options.method == Method::kBest && !model.metric().empty();
-  const bool by_graph = !align || model.recognition().Of(options.whole).familiarity.empty();
+  const auto [width, hop, count, align, by_graph] = PlanWindows(model, observation, options);
   if (by_graph && static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells) {
     return FieldViolation("window_seconds",
                           "a window of {} frames over the {} nodes of layer {} would need too much "
@@ -121,17 +128,18 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
   }
   const ClipMask* const mask = options.mask.get();
   const auto units = UnitsOf(model, options.track, mask);
-  MOTIONDB_RETURN_IF_ERROR(
-      CheckAnswerSize(model, mask, std::ssize(units->labels()), align, 1 + (frames - width) / hop));
+  MOTIONDB_RETURN_IF_ERROR(CheckAnswerSize(model, mask, std::ssize(units->labels()), align, count));
 
   MetricObservation in_metric;
   if (align) {
     MOTIONDB_ASSIGN_OR_RETURN(in_metric, MetricObservation::Create(model, scaled, cancelled));
   }
+  const double rate = observation.frame_rate_hz;
   const int stride = FrameStride(rate);
   WindowEmission emission(model, layer, scaled, by_graph ? width : 0, mask);
   std::vector<RecognizedWindow> windows;
-  for (int first = 0; first + width <= frames; first += hop) {
+  for (int i = 0; i < count; ++i) {
+    const int first = i * hop;
     RecognizedWindow& window = windows.emplace_back();
     window.start_seconds = first / rate;
     window.end_seconds = (first + width) / rate;

@@ -24,8 +24,9 @@ struct RecognizeOptions {
   // One window over the whole observation, which is compared with stored clips from their start.
   bool whole = false;
   double hop_seconds = 0.1;
-  // For kPaper only:
+  // Of the graph: for kPaper, and for familiarity if the model is not calibrated.
   int layer = 0;  // 0: the bottom layer
+  // For kPaper only:
   double transition_floor = 1e-6;
   Generation generation = Generation::kExact;
   int path_count = 5;  // of kTopPaths
@@ -80,6 +81,19 @@ struct RecognizedWindow {
   double familiarity = 0;
   std::vector<TrackAnswer> other_tracks;  // ascending by track; those of the used clips
 };
+
+// The windows of an observation, and how they are recognized.
+struct WindowPlan {
+  int width = 0;  // frames
+  int hop = 0;    // frames
+  int count = 0;
+  bool is_aligned = false;  // compared with clips; otherwise by the graph alone
+  bool uses_graph = false;
+};
+
+// REQUIRES: CheckOptions returned OK.
+WindowPlan PlanWindows(const Model& model, const StateSequence& observation,
+                       const RecognizeOptions& options);
 
 // Recognizes the windows of an observation (not scaled; the model's markers and frame rate). A
 // window of w seconds has round(w * rate) frames; an observation shorter than a window is one

@@ -7,7 +7,7 @@
 
 #include "core/motion/error.h"
 #include "server/engine/engine.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 
 namespace motiondb::server {
 

@@ -70,7 +70,7 @@ std::shared_ptr<LiveDatabase> Engine::Serve(const storage::DatabaseRecord& recor
   if (options_.model_memory_bytes > 0) {
     services.make_room = [this](std::int64_t bytes) { MakeRoom(bytes); };
   }
-  live->Serve(std::make_unique<ModelLifecycle>(*live, services));
+  live->SetLifecycle(std::make_unique<ModelLifecycle>(*live, services));
   return live;
 }
 

@@ -12,7 +12,7 @@
 #include "core/inspection/source_points.h"
 #include "core/motion/execution.h"
 #include "server/engine/live_database.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 #include "storage/motion_store.h"
 
 namespace motiondb::server {

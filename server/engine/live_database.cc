@@ -29,7 +29,7 @@ LiveDatabase::LiveDatabase(std::string name, const core::BuildSettings& settings
 
 LiveDatabase::~LiveDatabase() = default;
 
-void LiveDatabase::Serve(std::unique_ptr<ModelLifecycle> lifecycle) {
+void LiveDatabase::SetLifecycle(std::unique_ptr<ModelLifecycle> lifecycle) {
   lifecycle_ = std::move(lifecycle);
 }
 

@@ -17,7 +17,7 @@
 #include "core/motion/marker_set.h"
 #include "server/engine/change_signal.h"
 #include "server/engine/database_caches.h"
-#include "server/engine/work/options.h"
+#include "server/engine/work/engine_options.h"
 #include "storage/cancellable_lock.h"
 #include "storage/mutex.h"
 #include "storage/records.h"
@@ -110,10 +110,10 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   }
   FilterMasks& masks() { return masks_; }
 
-  // REQUIRES: Serve was called.
+  // REQUIRES: SetLifecycle was called.
   ModelLifecycle& lifecycle() const { return *lifecycle_; }
   // Called once, before the database is visible to callers.
-  void Serve(std::unique_ptr<ModelLifecycle> lifecycle);
+  void SetLifecycle(std::unique_ptr<ModelLifecycle> lifecycle);
 
   // Runs a change of the stored data. Several changes may run at a time. NOT_FOUND if the database
   // is deleted. Calls must not be nested.

@@ -7,8 +7,8 @@
 #include "core/motion/error.h"
 #include "server/engine/live_database.h"
 #include "server/engine/work/clock.h"
+#include "server/engine/work/engine_options.h"
 #include "server/engine/work/operation_registry.h"
-#include "server/engine/work/options.h"
 #include "storage/cancellable_lock.h"
 
 namespace motiondb::server {

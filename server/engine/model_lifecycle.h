@@ -8,8 +8,8 @@
 //   state     | event                                      | next state
 //   ----------|--------------------------------------------|-------------------------------------
 //   kIdle     | Request: an operation is stored, PENDING   | kWaiting
-//   kWaiting  | no ingest or purge is running, and no      | kBuilding: RUNNING
-//             | ingest came for rebuild_delay; or          |
+//   kWaiting  | no purge is running, and no ingest is      | kBuilding: RUNNING
+//             | running or came for rebuild_delay, or      |
 //             | rebuild_delay_limit has passed             |
 //             | Cancel: CANCELLED                          | kIdle, or kWaiting for the next
 //   kBuilding | the model is built: it is served from      | kBuilding
@@ -22,7 +22,8 @@
 //   any       | Stop: a build ends, and is PENDING again   | kClosed; then AwaitStop returns
 //             | Forget (deleted): all are CANCELLED        | kClosed
 //
-// The model is replaced in one place (Replace), one replacement at a time:
+// The model is replaced in one place (Replace), one replacement at a time. (LoadStored serves the
+// first one, before any caller, and Forget none, after the last.)
 //
 //   new model                 | when                                         | stored
 //   --------------------------|----------------------------------------------|--------------------
@@ -266,6 +267,12 @@ class ModelLifecycle {
   // before is that of the snapshot.
   absl::StatusOr<bool> IsCurrent(const Snapshot& snapshot);
 
+  // Requests a build that a server has not requested because it stopped (MissedBuild).
+  void RequestMissedBuild();
+  // Ends a build that needs to run again or that another server has taken over. Returns whether it
+  // was one.
+  bool EndUnfinished(Build& build, const absl::Status& built);
+
   // Memory (model_lifecycle_memory.cc).
   bool loads_on_demand() const;
   // Returns the stored model, read if it was not in memory; none if it is corrupt. REQUIRES: within
@@ -280,12 +287,6 @@ class ModelLifecycle {
   void SetLoadError(const absl::Status& error);
   // Requests a build if the model is not up to date. Returns whether it did.
   absl::StatusOr<bool> RebuildIfOutdated();
-
-  // Requests a build that a server has not requested because it stopped (MissedBuild).
-  void RequestMissedBuild();
-  // Ends a build that needs to run again or that another server has taken over. Returns whether it
-  // was one.
-  bool EndUnfinished(Build& build, const absl::Status& built);
 
   // Replacements of the model (model_lifecycle_work.cc).
   //
@@ -314,6 +315,9 @@ class ModelLifecycle {
   absl::Status ServeBorrowing(core::Model model, std::int64_t revision, const Lease& lease);
   // Returns the version.
   absl::StatusOr<int> StoreAndServe(core::Model model, std::int64_t revision, const Lease& lease);
+  // Leaves the store without a current model.
+  absl::Status DropStored(const Lease& lease);
+  void PurgeDeletedClips(const core::Cancelled& cancelled);
 
   // Updates of the model (model_lifecycle_update.cc).
   // `may_extend`: acquires the lease to extend the model, if there is need. `is_used`: the model is
@@ -343,9 +347,6 @@ class ModelLifecycle {
   // `record`: of a stored model.
   absl::StatusOr<bool> HasAllClips(const storage::ModelRecord& record);
   absl::StatusOr<bool> HasAllClips(const Snapshot& snapshot);
-  // Leaves the store without a current model.
-  absl::Status DropStored(const Lease& lease);
-  void PurgeDeletedClips(const core::Cancelled& cancelled);
 
   LiveDatabase& database_;
   const LifecycleServices services_;

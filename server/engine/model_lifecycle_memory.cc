@@ -9,8 +9,8 @@
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/operator_log.h"
-#include "server/engine/representation.h"
-#include "server/engine/work/options.h"
+#include "server/engine/work/engine_options.h"
+#include "server/engine/work/work_options.h"
 #include "storage/motion_store.h"
 
 namespace motiondb::server {

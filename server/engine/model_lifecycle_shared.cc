@@ -7,8 +7,8 @@
 #include "core/motion/error.h"
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
+#include "server/engine/work/engine_options.h"
 #include "server/engine/work/operation_registry.h"
-#include "server/engine/work/options.h"
 #include "storage/blob/newer_format.h"
 
 namespace motiondb::server {

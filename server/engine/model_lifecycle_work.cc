@@ -13,9 +13,9 @@
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/reprocess.h"
+#include "server/engine/work/engine_options.h"
 #include "server/engine/work/memory_reserve.h"
 #include "server/engine/work/operation_registry.h"
-#include "server/engine/work/options.h"
 #include "server/engine/work/shared_loop.h"
 
 namespace motiondb::server {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <variant>
 
-#include "absl/strings/cord.h"
 #include "core/format/plausibility.h"
 #include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
@@ -20,9 +19,6 @@ constexpr double kUsualMarkers = 34;
 // Maximum frames x markers or joints of light work: 30 s of 34 markers at 60 Hz. Recognition takes
 // 0.1 s with few windows, some seconds with a window at each frame.
 constexpr double kMaxLightPoints = 1 << 16;
-
-constexpr char kHeavyWorkMark[] = "motiondb.heavy-work";
-constexpr char kAwaitsChangeMark[] = "motiondb.awaits-change";
 
 absl::Status TooLong(const std::string& problem) {
   return core::WithReason("MOTION_TOO_LONG", absl::ResourceExhaustedError(
@@ -61,26 +57,6 @@ std::int64_t BytesOfStates(std::int64_t frames, int marker_count) {
 
 double FrameRate(const core::Motion& motion) {
   return std::visit([](const auto& form) { return form.frame_rate_hz; }, motion);
-}
-
-absl::Status HeavyWork() {
-  absl::Status status = absl::ResourceExhaustedError("heavy work is not allowed here");
-  status.SetPayload(kHeavyWorkMark, absl::Cord());
-  return status;
-}
-
-bool IsHeavyWork(const absl::Status& status) {
-  return status.GetPayload(kHeavyWorkMark).has_value();
-}
-
-absl::Status AwaitsChange() {
-  absl::Status status = absl::UnavailableError("the work waits for a change");
-  status.SetPayload(kAwaitsChangeMark, absl::Cord());
-  return status;
-}
-
-bool IsAwaitingChange(const absl::Status& status) {
-  return status.GetPayload(kAwaitsChangeMark).has_value();
 }
 
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,

@@ -1,42 +1,16 @@
 // Converts motion to a database's markers and frame rate, within limits of size and memory.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/motion/execution.h"
 #include "core/motion/states.h"
+#include "server/engine/work/work_options.h"
 
 namespace motiondb::server {
-
-class ChangeSignal;
-
-// AllowedWork work: only light work, which ends within moments, or all work within the limits.
-enum class AllowedWork { kLightWork, kAllWork };
-
-// Limits of the work for a call: amount, time and memory.
-struct WorkOptions {
-  AllowedWork allowed = AllowedWork::kAllWork;
-  core::Cancelled cancelled;
-  // Sets the memory reservation (bytes) for the rest of the work; replaces the previous one. Empty:
-  // no limit.
-  std::function<absl::Status(std::int64_t)> reserve = {};
-  // Deadline of the caller; max() if the caller set none.
-  std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
-  // Runs the work again after the next change that `signal` reports, if the work then returns
-  // AwaitsChange. Empty: the caller cannot wait.
-  std::function<void(ChangeSignal& signal)> wake_on = {};
-
-  // RESOURCE_EXHAUSTED.
-  absl::Status Reserve(std::int64_t bytes) const {
-    return reserve ? reserve(bytes) : absl::OkStatus();
-  }
-};
 
 struct RepresentationLimits {
   double frame_rate_hz = 0;  // of the database
@@ -45,16 +19,6 @@ struct RepresentationLimits {
   int max_frames = 0;
   WorkOptions terms;
 };
-
-// Returns the status with which light work refuses heavy work.
-absl::Status HeavyWork();
-
-// Returns whether a conversion was refused because it is heavy work and only light work is allowed.
-bool IsHeavyWork(const absl::Status& status);
-
-// Returns the status of work that cannot go on before a database changes; see WorkOptions::wake_on.
-absl::Status AwaitsChange();
-bool IsAwaitingChange(const absl::Status& status);
 
 // Like core::Represent, within `limits`. RESOURCE_EXHAUSTED if the motion is too long or needs too
 // much memory; INVALID_ARGUMENT if its frame rate is too low; CANCELLED; see also IsHeavyWork.

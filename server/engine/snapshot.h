@@ -11,7 +11,7 @@
 #include "core/planning/contacts.h"
 #include "core/view/clip_picture.h"
 #include "core/view/model_picture.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 #include "storage/cancellable_lock.h"
 #include "storage/mutex.h"
 #include "storage/records.h"

@@ -19,7 +19,7 @@
 
 #include "core/motion/error.h"
 #include "import/launch.h"
-#include "server/engine/work/options.h"
+#include "server/engine/work/engine_options.h"
 #include "storage/blob/motion_codec.h"
 #include "storage/cancellable_lock.h"
 

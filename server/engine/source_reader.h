@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 
 namespace motiondb::server {
 

@@ -18,7 +18,7 @@
 #include "core/motion/execution.h"
 #include "server/engine/engine.h"
 #include "server/engine/query/query.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 #include "server/observability/log.h"
 #include "server/rpc/call_context.h"
 #include "server/rpc/parking.h"

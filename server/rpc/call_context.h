@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "core/motion/execution.h"
 #include "server/engine/engine.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 #include "server/observability/monitor.h"
 #include "server/rpc/call_identity.h"
 #include "server/rpc/call_limits.h"

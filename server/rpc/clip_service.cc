@@ -260,7 +260,7 @@ class ClipServiceImpl final : public v1::ClipService::CallbackService {
   grpc::ServerUnaryReactor* UploadClip(grpc::CallbackServerContext* context,
                                        const v1::UploadClipRequest* request,
                                        v1::UploadClipResponse* response) override {
-    return NewUploadReactor(host_, *context, *request, *response);
+    return NewUploadClipReactor(host_, *context, *request, *response);
   }
   grpc::ServerUnaryReactor* GetClip(grpc::CallbackServerContext* context,
                                     const v1::GetClipRequest* request,

@@ -5,8 +5,8 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.pb.h"
+#include "server/rpc/receive_reactor.h"
 #include "server/rpc/services.h"
-#include "server/rpc/upload_reactor.h"
 #include "server/translate/ingest_stream.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/record_messages.h"
@@ -68,11 +68,11 @@ class IngestSteps {
   std::unique_ptr<ModelLifecycle::Ingest> in_flight_;
 };
 
-class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
+class IngestReactor final : public ReceiveReactor<v1::IngestClipRequest> {
  public:
   IngestReactor(ServiceContext& host, grpc::CallbackServerContext& context,
                 v1::IngestClipResponse& response)
-      : UploadReactor(host, context, ReceiveThread::kGrpcThread),
+      : ReceiveReactor(host, context, ReceiveThread::kGrpcThread),
         steps_(host.engine, entry(), "file_block"),
         response_(response),
         stream_(host.engine.options().max_file_bytes) {}
@@ -186,10 +186,10 @@ grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
   return new IngestReactor(host, context, response);
 }
 
-grpc::ServerUnaryReactor* NewUploadReactor(ServiceContext& host,
-                                           grpc::CallbackServerContext& context,
-                                           const v1::UploadClipRequest& request,
-                                           v1::UploadClipResponse& response) {
+grpc::ServerUnaryReactor* NewUploadClipReactor(ServiceContext& host,
+                                               grpc::CallbackServerContext& context,
+                                               const v1::UploadClipRequest& request,
+                                               v1::UploadClipResponse& response) {
   return new UploadClipReactor(host, context, request, response);
 }
 

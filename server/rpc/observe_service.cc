@@ -14,7 +14,7 @@
 #include "server/rpc/services.h"
 #include "server/rpc/spectator.h"
 #include "server/translate/message_fields.h"
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 #include "server/translate/resource_name.h"
 #include "storage/mutex.h"
 

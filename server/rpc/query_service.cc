@@ -6,7 +6,7 @@
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 #include "server/translate/plan_message.h"
 #include "server/translate/query_message.h"
 #include "server/translate/record_messages.h"

@@ -48,15 +48,15 @@ std::unique_ptr<grpc::Service> MakeServerService(ServiceContext& host);
 grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
     ServiceContext& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response);
 
-grpc::ServerUnaryReactor* NewUploadReactor(ServiceContext& host,
-                                           grpc::CallbackServerContext& context,
-                                           const v1::UploadClipRequest& request,
-                                           v1::UploadClipResponse& response);
+grpc::ServerUnaryReactor* NewUploadClipReactor(ServiceContext& host,
+                                               grpc::CallbackServerContext& context,
+                                               const v1::UploadClipRequest& request,
+                                               v1::UploadClipResponse& response);
 
 grpc::ServerReadReactor<v1::RestoreStoreRequest>* NewRestoreReactor(
     ServiceContext& host, grpc::CallbackServerContext& context, v1::RestoreStoreResponse& response);
 
-grpc::ServerReadReactor<v1::ImportDatabaseRequest>* NewImportReactor(
+grpc::ServerReadReactor<v1::ImportDatabaseRequest>* NewImportDatabaseReactor(
     ServiceContext& host, grpc::CallbackServerContext& context,
     v1::ImportDatabaseResponse& response);
 

@@ -121,7 +121,7 @@ class StoreServiceImpl final : public v1::StoreService::CallbackService {
   }
   grpc::ServerReadReactor<v1::ImportDatabaseRequest>* ImportDatabase(
       grpc::CallbackServerContext* context, v1::ImportDatabaseResponse* response) override {
-    return NewImportReactor(host_, *context, *response);
+    return NewImportDatabaseReactor(host_, *context, *response);
   }
 
  private:

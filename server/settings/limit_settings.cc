@@ -12,6 +12,8 @@ namespace {
 // Memory of calls: 1/kMemoryShare of the memory of the server, at least kMinCallMemory bytes.
 constexpr std::int64_t kMemoryShare = 5;
 constexpr std::int64_t kMinCallMemory = std::int64_t{80} << 20;
+// A message with a block of a file, which has at most 1 MiB, is a little larger.
+constexpr int kMinMessageMebibytes = 2;
 
 template <typename Count>
 void AddLimit(CLI::App& app, const std::string& name, Count& limit, int min, int max,
@@ -45,7 +47,8 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
                "Maximum size of a motion file with its skeleton file")
       ->group("Limits");
   AddMebibytes(app, "--max-message-mib", settings.server.max_message_bytes,
-               "Maximum size of a request")
+               "Maximum size of a message of a request; files are sent in blocks of 1 MiB", 1024,
+               kMinMessageMebibytes)
       ->group("Limits");
   AddMebibytes(
       app, "--message-memory-mib", calls.message_memory_bytes,

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "server/engine/work/options.h"
+#include "server/engine/work/engine_options.h"
 #include "server/observability/log.h"
 #include "server/rpc/call_limits.h"
 #include "server/security/security_options.h"

@@ -14,7 +14,7 @@
 #include "server/translate/file_format.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/model_message.h"
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 #include "server/translate/resource_name.h"
 #include "text/utf8.h"
 

@@ -7,7 +7,7 @@
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/translate/message_fields.h"
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
@@ -140,7 +140,7 @@ void SetPrediction(const core::Prediction& prediction, const std::string& databa
 
 namespace {
 
-// Number of entries to return of each window; 0 if the request has none: all.
+// Checks the number of clips or labels to return of each window, if the request has one.
 template <typename Request>
 absl::Status CheckTopCount(const Request& request) {
   return request.has_top_count() ? CheckCount("top_count", request.top_count()) : absl::OkStatus();

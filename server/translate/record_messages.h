@@ -28,7 +28,7 @@ namespace motiondb::server {
 // INVALID_ARGUMENT with the field, below `database`, for an unknown value.
 absl::StatusOr<core::BuildSettings> ParseBuildSettings(const v1::Database& database);
 
-// Sets the statistics that Model and DescribeDatabaseResponse have in common. They are the stored
+// Sets the statistics that Model and DatabaseStatistics have in common. They are the stored
 // values, as in `status` and in the metrics.
 template <typename Message>
 void SetModelStatistics(const storage::ModelRecord& record, Message& message) {

@@ -51,7 +51,7 @@ class ServedDatabase {
       : operations_(store),
         live_(std::make_shared<server::LiveDatabase>(record.name, record.settings)) {
     options_.extend_from = std::chrono::seconds(0);
-    live_->Serve(std::make_unique<server::ModelLifecycle>(
+    live_->SetLifecycle(std::make_unique<server::ModelLifecycle>(
         *live_, server::LifecycleServices{store, operations_, corruptions_, executor_, options_}));
     live_->lifecycle().LoadStored();
   }

@@ -114,7 +114,7 @@ absl::StatusOr<std::vector<BuildStage>> RebuildStore(const std::string& path,
   LendingExecutor executor(parallel);
   const auto live = std::make_shared<server::LiveDatabase>(record.name, record.settings);
   live->set_scheme(server::MarkerSchemes().Of(record));
-  live->Serve(std::make_unique<server::ModelLifecycle>(
+  live->SetLifecycle(std::make_unique<server::ModelLifecycle>(
       *live, server::LifecycleServices{*store, operations, corruptions, executor, options}));
   MOTIONDB_ASSIGN_OR_RETURN(const auto requested, live->lifecycle().Request());
   StageLog log;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 
 namespace motiondb::simulation {
 

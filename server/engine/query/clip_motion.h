@@ -11,7 +11,7 @@
 #include "core/motion/matrix.h"
 #include "core/motion/robot.h"
 #include "core/view/clip_picture.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 
 namespace motiondb::server {
 

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/file_format.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 #include "storage/motion_store.h"
 
 namespace motiondb::server {
@@ -18,7 +18,7 @@ class Engine;
 absl::Status CheckWrittenFormat(std::string_view field, core::FileFormat format);
 
 struct ExportedMotion {
-  std::string file_name;  // the clip's id with the extension of the format
+  std::string file_name;  // id of the clip, or 'plan', with the extension of the format
   std::string bytes;
   std::vector<std::string> notes;  // what the file lacks, and the fit of the joint angles
 };

@@ -13,7 +13,7 @@
 #include "core/motion/matrix.h"
 #include "core/motion/motion.h"
 #include "core/motion/states.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 
 namespace motiondb::server {
 

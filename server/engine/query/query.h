@@ -15,8 +15,8 @@
 #include "core/recognition/recognize.h"
 #include "server/engine/engine.h"
 #include "server/engine/query/observation.h"
-#include "server/engine/representation.h"
 #include "server/engine/snapshot.h"
+#include "server/engine/work/work_options.h"
 
 namespace motiondb::server {
 
@@ -105,8 +105,8 @@ class Query {
   absl::StatusOr<core::MarkerMotion> Markers(const Observation& observation) const;
 
   // Like core's functions of the same name, with the mask of the query. Codes: theirs, those of
-  // States, and RESOURCE_EXHAUSTED if the answer takes too much memory. `top_count`: clips and
-  // labels in the response for each window; 0: all.
+  // States, and RESOURCE_EXHAUSTED if the answer takes too much memory. `top_count`: clips in the
+  // response for each window; 0: all.
   absl::StatusOr<std::vector<core::RecognizedWindow>> Recognize(const Observation& observation,
                                                                 core::RecognizeOptions options,
                                                                 int top_count) const;

@@ -1,13 +1,13 @@
 #include "server/engine/query/query_memory.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/inference/node_path.h"
 #include "core/model/label_units.h"
 #include "core/model/metric_frames.h"
 #include "core/motion/error.h"
 #include "core/recognition/recognize.h"
+#include "core/recognition/shortlist.h"
 #include "server/engine/representation.h"
 
 namespace motiondb::server {
@@ -83,18 +83,14 @@ std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequenc
   constexpr Bytes kScore = 64;      // of a clip or label
   constexpr Bytes kClipSent = 320;  // message with two names, and its serialized form
   constexpr Bytes kLabelSent = 200;
-  constexpr Bytes kMaxAlignedClips = 64;  // clips
   const Bytes frames = states.frame_count();
-  const auto in_frames = [&](double seconds) {
-    return std::max<Bytes>(
-        1, std::llround(std::min(seconds * states.frame_rate_hz, static_cast<double>(frames))));
-  };
-  const Bytes width = options.whole ? frames : in_frames(options.window_seconds);
-  const Bytes windows = 1 + (frames - std::min(width, frames)) / in_frames(options.hop_seconds);
-  const bool align = options.method == core::Method::kBest && !model.metric().empty();
+  const core::WindowPlan plan = core::PlanWindows(model, states, options);
+  const Bytes width = plan.width;
+  const Bytes windows = plan.count;
+  const bool align = plan.is_aligned;
   const Bytes nodes = NodeCount(model, options.layer);
   const auto clips = static_cast<Bytes>(model.clips().size());
-  const Bytes compared = align ? std::min(clips, kMaxAlignedClips) : clips;
+  const Bytes compared = align ? std::min<Bytes>(clips, core::kMaxShortlisted) : clips;
   const auto labels =
       static_cast<Bytes>(core::UnitsOf(model, options.track, options.mask.get())->labels().size());
   const Bytes listed = top_count > 0 ? std::min<Bytes>(compared, top_count) : compared;
@@ -106,8 +102,7 @@ std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequenc
     bytes += 4 * frames * model.metric().projection.cols() + 8 * kLanes * LongestCompared(model) +
              24 * 4 * static_cast<Bytes>(model.clip_index().node_count()) + 16 * clips;
     if (states.states.hasNaN()) bytes += BytesOfOwnMetric(model);
-    if (!model.recognition().Of(options.whole).familiarity.empty()) return bytes;
-    return bytes + 8 * width * nodes;
+    return plan.uses_graph ? bytes + 8 * width * nodes : bytes;
   }
   const bool top_paths = options.generation == core::Generation::kTopPaths;
   return bytes + 16 * width * nodes +

@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "server/engine/work/engine_options.h"
 #include "server/engine/work/executor.h"
-#include "server/engine/work/options.h"
 
 namespace motiondb::server {
 

@@ -8,7 +8,7 @@
 namespace motiondb::storage {
 namespace {
 
-// Returns a query for the columns that ToSegment reads.
+// Returns a query for the columns that ReadSegments reads.
 std::string SelectSegmentColumns(std::string_view rest) {
   return fmt::format(
       "SELECT segment.id, track, label, start_seconds, end_seconds, source, confidence, "

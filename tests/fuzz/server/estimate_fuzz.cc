@@ -2,7 +2,7 @@
 #include "core/estimation/estimate.h"
 #include "core/motion/error.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 #include "server/translate/query_message.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/server/message_mutation.h"

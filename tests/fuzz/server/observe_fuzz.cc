@@ -1,7 +1,7 @@
 // Streams of Observe. An input is a sequence of messages, each after its length (u16).
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.pb.h"
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/server/message_mutation.h"
 #include "tests/fuzz/server/message_stream.h"

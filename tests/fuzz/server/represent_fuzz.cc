@@ -2,7 +2,7 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/server/message_mutation.h"
 #include "tests/fuzz/server/trained_engine.h"

@@ -101,7 +101,7 @@ void LifecycleSimulation::CrashAndRestart() {
 
 void LifecycleSimulation::Serve() {
   auto live = std::make_shared<server::LiveDatabase>("db", kSimulatedSettings);
-  live->Serve(std::make_unique<server::ModelLifecycle>(
+  live->SetLifecycle(std::make_unique<server::ModelLifecycle>(
       *live, server::LifecycleServices{store(), operations(), corruptions_, executor_, options_}));
   const auto record = store().GetDatabase("db");
   REQUIRE(record.ok());

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/engine/query/query.h"
-#include "server/engine/representation.h"
+#include "server/engine/work/work_options.h"
 #include "tests/storage/faults/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/support/test_engine.h"

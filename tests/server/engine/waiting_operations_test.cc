@@ -10,8 +10,8 @@
 #include "server/engine/live_database.h"
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/operator_log.h"
+#include "server/engine/work/engine_options.h"
 #include "server/engine/work/operation_registry.h"
-#include "server/engine/work/options.h"
 #include "storage/blob/newer_format.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/storage/require_ok.h"
@@ -49,7 +49,7 @@ struct OneDatabase {
     spdlog::set_level(spdlog::level::off);
     REQUIRE_OK(store.CreateDatabase({.name = "d"}));
     live->set_id(Require(store.GetDatabase("d")).id);
-    live->Serve(std::make_unique<server::ModelLifecycle>(
+    live->SetLifecycle(std::make_unique<server::ModelLifecycle>(
         *live,
         server::LifecycleServices{store, operations, corruptions, executor, options, "one"}));
   }

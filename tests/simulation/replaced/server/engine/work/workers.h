@@ -7,8 +7,8 @@
 #include <deque>
 #include <memory>
 
+#include "server/engine/work/engine_options.h"
 #include "server/engine/work/executor.h"
-#include "server/engine/work/options.h"
 #include "tests/simulation/world.h"
 
 namespace motiondb::server {

@@ -19,7 +19,7 @@ enum class ReceiveThread { kOnRequestThread, kGrpcThread };
 
 // Owned by gRPC: deletes itself when the call is over.
 template <typename Request>
-class UploadReactor : public grpc::ServerReadReactor<Request> {
+class ReceiveReactor : public grpc::ServerReadReactor<Request> {
  public:
   void OnReadDone(bool ok) final {
     if (!reading_.exchange(false)) return;  // the call has ended
@@ -36,7 +36,7 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   void OnDone() final { delete this; }
 
  protected:
-  UploadReactor(ServiceContext& host, grpc::CallbackServerContext& context, ReceiveThread taking)
+  ReceiveReactor(ServiceContext& host, grpc::CallbackServerContext& context, ReceiveThread taking)
       : entry_(host, context, MethodOf<Request>()),
         taking_(taking),
         idle_timer_(host.engine.workers(), host.limits.first_message_limit(),
@@ -47,7 +47,7 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
     }
     StartReading();
   }
-  ~UploadReactor() override = default;
+  ~ReceiveReactor() override = default;
 
   // Processes a message of an authorized caller. The first one runs on a request thread.
   virtual absl::Status Take(Request& message) = 0;

@@ -1,4 +1,4 @@
-#include "server/translate/observation.h"
+#include "server/translate/observation_message.h"
 
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.pb.h"

@@ -1,4 +1,4 @@
-#include "server/gateway/session.h"
+#include "server/gateway/login_session.h"
 
 #include <fmt/format.h>
 

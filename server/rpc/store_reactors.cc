@@ -1,11 +1,10 @@
-#include "server/rpc/upload_reactor.h"
-
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/store.pb.h"
+#include "server/rpc/receive_reactor.h"
 #include "server/rpc/services.h"
 #include "server/translate/ingest_stream.h"
 #include "server/translate/message_fields.h"
@@ -21,11 +20,11 @@ absl::Status CheckBlock(const std::string& block) {
   return FieldViolation("block", "expected at most {} bytes, got {}", kMaxBlockBytes, block.size());
 }
 
-class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
+class RestoreReactor final : public ReceiveReactor<v1::RestoreStoreRequest> {
  public:
   RestoreReactor(ServiceContext& host, grpc::CallbackServerContext& context,
                  v1::RestoreStoreResponse& response)
-      : UploadReactor(host, context, ReceiveThread::kOnRequestThread),
+      : ReceiveReactor(host, context, ReceiveThread::kOnRequestThread),
         engine_(host.engine),
         response_(response) {}
 
@@ -64,11 +63,11 @@ grpc::ServerReadReactor<v1::RestoreStoreRequest>* NewRestoreReactor(
 
 namespace {
 
-class ImportReactor final : public UploadReactor<v1::ImportDatabaseRequest> {
+class ImportDatabaseReactor final : public ReceiveReactor<v1::ImportDatabaseRequest> {
  public:
-  ImportReactor(ServiceContext& host, grpc::CallbackServerContext& context,
-                v1::ImportDatabaseResponse& response)
-      : UploadReactor(host, context, ReceiveThread::kOnRequestThread),
+  ImportDatabaseReactor(ServiceContext& host, grpc::CallbackServerContext& context,
+                        v1::ImportDatabaseResponse& response)
+      : ReceiveReactor(host, context, ReceiveThread::kOnRequestThread),
         engine_(host.engine),
         response_(response) {}
 
@@ -113,10 +112,10 @@ class ImportReactor final : public UploadReactor<v1::ImportDatabaseRequest> {
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::ImportDatabaseRequest>* NewImportReactor(
+grpc::ServerReadReactor<v1::ImportDatabaseRequest>* NewImportDatabaseReactor(
     ServiceContext& host, grpc::CallbackServerContext& context,
     v1::ImportDatabaseResponse& response) {
-  return new ImportReactor(host, context, response);
+  return new ImportDatabaseReactor(host, context, response);
 }
 
 }  // namespace motiondb::server

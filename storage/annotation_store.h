@@ -112,14 +112,14 @@ class AnnotationStore {
   virtual ~AnnotationStore() = default;
 
   // Makes the changes in order, in one transaction, and returns the edit. Changes without effect
-  // are not in it; without any effect nothing is stored and its id is 0. A change of a segment that
-  // changes the label of its clip also changes the clip. ABORTED if an object's revision differs
-  // from the one before the edit; NOT_FOUND; ALREADY_EXISTS (segment id); FAILED_PRECONDITION with
-  // reason SEGMENTS_OVERLAP, or with CLIP_HAS_SEGMENTS if a label is set and the clip has other
-  // segments on the track; INVALID_ARGUMENT if a segment does not end after it starts, or ends more
-  // than half a frame after its clip. An end within half a frame of the end of the clip is stored
-  // as none. The message begins with the index of the change, as in `changes[3]`, if there are
-  // several.
+  // are not in it; without any effect nothing is stored, no audit entry either, and its id is 0. A
+  // change of a segment that changes the label of its clip also changes the clip. ABORTED if an
+  // object's revision differs from the one before the edit; NOT_FOUND; ALREADY_EXISTS (segment id);
+  // FAILED_PRECONDITION with reason SEGMENTS_OVERLAP, or with CLIP_HAS_SEGMENTS if a label is set
+  // and the clip has other segments on the track; INVALID_ARGUMENT if a segment does not end after
+  // it starts, or ends more than half a frame after its clip. An end within half a frame of the end
+  // of the clip is stored as none. The message begins with the index of the change, as in
+  // `changes[3]`, if there are several.
   virtual absl::StatusOr<EditRecord> Edit(const std::string& database,
                                           std::span<const Change> changes,
                                           const std::string& author,

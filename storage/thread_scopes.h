@@ -42,6 +42,18 @@ class AllocationsMayFail {
   // Returns whether a scope is active on this thread.
   static bool hold() { return depth_ > 0; }
 
+  // During its lifetime no scope is active: for a call of other work, which must not be lost.
+  class Pause {
+   public:
+    Pause() : depth_before_(std::exchange(depth_, 0)) {}
+    ~Pause() { depth_ = depth_before_; }
+    Pause(const Pause&) = delete;
+    Pause& operator=(const Pause&) = delete;
+
+   private:
+    const int depth_before_;
+  };
+
  private:
   static inline thread_local int depth_ = 0;
 };

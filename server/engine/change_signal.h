@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "storage/mutex.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::server {
 
@@ -34,7 +35,9 @@ class ChangeSignal : public std::enable_shared_from_this<ChangeSignal> {
     return std::make_unique<Subscription>(shared_from_this(), std::move(listener));
   }
 
+  // Listeners resume calls of other clients, which must not fail with the caller's work.
   void Notify() {
+    const storage::AllocationsMayFail::Pause pause;
     const storage::MutexLock lock(mutex_);
     for (const auto& [key, listener] : listeners_) listener();
   }

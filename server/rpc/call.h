@@ -87,7 +87,10 @@ grpc::ServerUnaryReactor* Answer(ServiceContext& host, grpc::CallbackServerConte
                                  const Request* request, Response* response) {
   return new UnaryReactor(
       host, *context, MethodOf<Request>(), *request, *response,
-      [request, response](const Call& call) { return kHandler(call, *request, *response); });
+      [request, response](const Call& call) {
+        response->Clear();  // of what a run before, which was too heavy or waits, has set
+        return kHandler(call, *request, *response);
+      });
 }
 
 // Runs one step of a call and returns its status. Exceptions become RESOURCE_EXHAUSTED (out of

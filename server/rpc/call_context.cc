@@ -128,7 +128,9 @@ absl::Status CallContext::ReserveResponse(const google::protobuf::Message& respo
                                           std::size_t bytes) {
   if (bytes <= std::size_t{kSmallBytes}) return absl::OkStatus();
   // The message and its serialized bytes.
-  return Resize(response_memory_, static_cast<std::int64_t>(response.SpaceUsedLong() + bytes));
+  const absl::Status reserved =
+      Resize(response_memory_, static_cast<std::int64_t>(response.SpaceUsedLong() + bytes));
+  return recorded_ ? absl::OkStatus() : reserved;
 }
 
 absl::Status CallContext::ReserveFile(std::size_t bytes) {

@@ -100,7 +100,8 @@ class CallContext {
 
   // For a parsed message, which may be many times its encoded size. Begin does it for the first.
   absl::Status ReserveRequest(const google::protobuf::Message& request);
-  // For a response until the client has read it.
+  // For a response until the client has read it. Never refused after AuditRecordForChange: the
+  // change is stored, and a client that gets an error makes it again.
   absl::Status ReserveResponse(const google::protobuf::Message& response, std::size_t bytes);
   // For a file that is sent, or a stored one that the call names; adds to the size of the call.
   absl::Status ReserveFile(std::size_t bytes);
@@ -130,7 +131,7 @@ class CallContext {
   // End then writes none unless the call fails. `resource`: name of the changed resource.
   storage::AuditRecord AuditRecordForChange(std::string resource);
   // A successful call that changed nothing: End records it like a failed call.
-  void SetUnchanged() { changed_ = false; }
+  void SetUnchanged() { changed_ = recorded_ = false; }
   // A successful call that by its request changes nothing: End writes no audit entry.
   void SetUnrecorded() { recorded_ = true; }
 

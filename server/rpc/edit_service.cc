@@ -13,6 +13,9 @@
 namespace motiondb::server {
 namespace {
 
+// Number of edits in one read of a list: one may have a thousand objects of a kilobyte each.
+constexpr int kEditsPerRead = 8;
+
 absl::Status BatchEdit(const Call& call, const v1::BatchEditRequest& request,
                        v1::BatchEditResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
@@ -40,19 +43,30 @@ absl::Status ListEdits(const Call& call, const v1::ListEditsRequest& request,
   }
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
   const std::string scope = fmt::format("edits of {} in {}", clip, id);
-  MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
+  MOTIONDB_ASSIGN_OR_RETURN(std::string after, DecodePageToken(scope, request.page_token()));
   std::int64_t before = 0;
   if (!after.empty()) {
     MOTIONDB_ASSIGN_OR_RETURN(const EditId last, ParseEditName("page_token", after));
     before = last.id;
   }
   MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(id).status());
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const auto records, call.engine.store().annotations().ListEdits(id, clip, before, size + 1));
-  response.set_next_page_token(
-      FillPageFrom(records, size, scope, *response.mutable_edits(), SetEdit,
-                   [](const auto& record) { return EditName(record.database, record.id); }));
-  return absl::OkStatus();
+  PageBudget budget(size);
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto records, call.engine.store().annotations().ListEdits(
+                                                      id, clip, before, kEditsPerRead));
+    if (records.empty()) return absl::OkStatus();
+    for (const storage::EditRecord& record : records) {
+      v1::Edit edit;
+      SetEdit(record, edit);
+      if (!budget.Take(edit.ByteSizeLong())) {
+        response.set_next_page_token(EncodePageToken(scope, after));
+        return absl::OkStatus();
+      }
+      *response.add_edits() = std::move(edit);
+      before = record.id;
+      after = EditName(record.database, record.id);
+    }
+  }
 }
 
 absl::Status UndoEdit(const Call& call, const v1::UndoEditRequest& request,

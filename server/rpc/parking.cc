@@ -78,7 +78,9 @@ void Parking::Park(std::chrono::system_clock::time_point latest, std::function<v
         latest - system_clock::now(), system_clock::duration::zero(), std::chrono::hours(24));
     // Repeats, because the two clocks may differ.
     alarm_ = std::make_unique<IdleTimer>(executor_, std::chrono::ceil<milliseconds>(rest),
-                                         milliseconds(1000), [this] { Wake(); });
+                                         milliseconds(1000), [this, latest] {
+                                           if (system_clock::now() >= latest) Wake();
+                                         });
   }
   {
     const MutexLock lock(mutex_);

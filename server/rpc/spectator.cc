@@ -169,40 +169,53 @@ class WatchHandle {
   const std::shared_ptr<ForwardedWatch> watch_;
 };
 
-// Returns the streams that the other servers run. A server that does not answer within a second is
-// left out. Blocks as long.
-std::vector<v1::ObservedStream> StreamsOfOthers(const Call& call, OtherServers& others,
-                                                const v1::ListStreamsRequest& request) {
+// The answers of other servers to ListStreams. Their calls share it: they may outlast the caller.
+struct Answers {
   struct Asked {
     grpc::ClientContext context;
     v1::ListStreamsResponse response;
   };
+  v1::ListStreamsRequest request;
+  std::vector<std::unique_ptr<Asked>> asked;
+  storage::Mutex mutex;
+  storage::ConditionVariable answered;
+  std::size_t missing ABSL_GUARDED_BY(mutex) = 0;
+};
+
+// Returns the streams that the other servers run. A server that does not answer within a second is
+// left out. Blocks as long.
+std::vector<v1::ObservedStream> StreamsOfOthers(const Call& call, OtherServers& others,
+                                                const v1::ListStreamsRequest& request) {
   std::vector<v1::ObservedStream> streams;
   const auto stubs = others.All();
   if (!stubs.ok()) return streams;  // as if none answered
-  v1::ListStreamsRequest local = request;
-  local.set_this_server(true);
-  storage::Mutex mutex;
-  storage::ConditionVariable answered;
-  std::size_t missing = stubs->size();
-  std::vector<std::unique_ptr<Asked>> all;
+  const auto answers = std::make_shared<Answers>();
+  answers->request = request;
+  answers->request.set_this_server(true);
   for (const OtherServers::Stub& stub : *stubs) {
-    Asked& asked = *all.emplace_back(std::make_unique<Asked>());
+    auto& asked = *answers->asked.emplace_back(std::make_unique<Answers::Asked>());
     PassCaller(call, asked.context);
     asked.context.set_deadline(std::chrono::system_clock::now() + kMaxListTime);
+    {
+      const MutexLock lock(answers->mutex);
+      ++answers->missing;
+    }
     stub->async()->ListStreams(
-        &asked.context, &local, &asked.response, [&](const grpc::Status& status) {
+        &asked.context, &answers->request, &asked.response, [answers](const grpc::Status& status) {
           if (!status.ok()) {
             spdlog::debug("streams of another server are not listed: {}", status.error_message());
           }
-          const MutexLock lock(mutex);
-          --missing;
-          answered.NotifyAll();
+          const MutexLock lock(answers->mutex);
+          --answers->missing;
+          answers->answered.NotifyAll();
         });
   }
-  const MutexLock lock(mutex);
-  answered.Wait(mutex, [&] { return missing == 0; });
-  for (const auto& asked : all) {
+  const MutexLock lock(answers->mutex);
+  answers->answered.Wait(answers->mutex, [&] {
+    answers->mutex.AssertHeld();
+    return answers->missing == 0;
+  });
+  for (const auto& asked : answers->asked) {
     streams.insert(streams.end(), asked->response.streams().begin(),
                    asked->response.streams().end());
   }
@@ -230,6 +243,8 @@ absl::Status ListStreams(const Call& call, const v1::ListStreamsRequest& request
   MOTIONDB_ASSIGN_OR_RETURN(const auto database, call.engine.FindDatabase(id));
   std::vector<v1::ObservedStream> streams;
   if (call.others != nullptr && !request.this_server()) {
+    // It blocks. Heavy calls leave a thread to the calls of other servers, which may ask this one.
+    if (call.entry.allowed() == AllowedWork::kLightWork) return HeavyWork();
     streams = StreamsOfOthers(call, *call.others, request);
   }
   for (const auto& stream : call.streams.List(*database, kMaxStreams)) {

@@ -16,9 +16,9 @@ inline constexpr std::int64_t kApplicationId = 0x6d746462;
 // script never changes.
 std::span<const char* const> Migrations();
 
-// Migrates the file to version migrations.size(), user_version, in one transaction: an upgrade that
-// fails or is interrupted leaves the file to the program that wrote it. FAILED_PRECONDITION,
-// changing nothing, if the file has a later version.
+// Migrates the file to version migrations.size(), user_version, in one transaction: if it fails or
+// is interrupted, the program that wrote the file can still use it. FAILED_PRECONDITION, changing
+// nothing, if the file has a later version.
 absl::Status Migrate(Connection& connection, std::span<const char* const> migrations);
 
 // Checks that the definitions of tables, indices, triggers and views are exactly those that

@@ -123,7 +123,8 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std:
 absl::Status Upgrade(Connection& connection) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto version, connection.QueryInteger("PRAGMA user_version"));
   // Version 10 normalised the words of the search index otherwise. If the upgrade is interrupted,
-  // the index is made again. Of corrupt clips none can be made, which must not prevent opening.
+  // the index is made again; a program of version 10 would meanwhile not find all words. Of corrupt
+  // clips none can be made, which must not prevent opening.
   if (version == 10) {
     const absl::Status rebuilt = RebuildClipText(connection);
     if (!rebuilt.ok() && !absl::IsDataLoss(rebuilt)) return rebuilt;

@@ -9,6 +9,7 @@
 
 #include "core/motion/error.h"
 #include "server/engine/work/clock.h"
+#include "storage/thread_scopes.h"
 
 namespace motiondb::server {
 namespace {
@@ -165,6 +166,7 @@ void OperationRegistry::Observe(const OperationRecord& stored) {
     watchers = std::exchange(live->second.watchers, {});
     live_.erase(live);
   }
+  const storage::AllocationsMayFail::Pause pause;  // of other calls
   for (const auto& [key, watcher] : watchers) watcher(stored);
 }
 
@@ -247,6 +249,7 @@ absl::Status OperationRegistry::Change(const std::string& id, Durability durabil
       if (stored.ok()) live_.erase(live);
     }
   }
+  const storage::AllocationsMayFail::Pause pause;  // of other calls
   for (const auto& [key, watcher] : watchers) watcher(record);
   return absl::OkStatus();
 }
@@ -281,6 +284,7 @@ void OperationRegistry::EndWaits() {
       live.watchers.clear();
     }
   }
+  const storage::AllocationsMayFail::Pause pause;  // of other calls
   for (const auto& [watcher, record] : released) watcher(record);
 }
 

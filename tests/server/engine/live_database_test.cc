@@ -4,6 +4,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <memory>
 #include <new>
 #include <thread>
 #include <vector>
@@ -51,6 +52,17 @@ TEST_CASE("LiveDatabase: continuous changes do not starve the deletion", "[serve
   CHECK(absl::IsUnavailable(refused));
   CHECK(ended == 4);
   CHECK(absl::IsNotFound(database.Retire(kNothing)));
+}
+
+TEST_CASE("ChangeSignal: a listener is not part of work whose allocations may fail", "[server]") {
+  const auto signal = std::make_shared<server::ChangeSignal>();
+  bool may_fail = true;
+  const auto subscription =
+      signal->Subscribe([&] { may_fail = storage::AllocationsMayFail::hold(); });
+  const storage::AllocationsMayFail scope;
+  signal->Notify();
+  CHECK_FALSE(may_fail);
+  CHECK(storage::AllocationsMayFail::hold());
 }
 
 TEST_CASE("LiveDatabase: stays alive if its deletion fails or is cancelled", "[server]") {

@@ -44,6 +44,26 @@ TEST_CASE("DatabaseService: a new database has the defaults", "[server][rpc]") {
   CHECK(got.response.database().SerializeAsString() == database.SerializeAsString());
 }
 
+TEST_CASE("DatabaseService: a call that waits for the model fills its response once",
+          "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const int markers = Get(*server.NewStub<v1::DatabaseService>(), "databases/db")
+                          .response.database()
+                          .marker_names_size();
+  REQUIRE(markers > 0);
+  server.Stop();
+  server.options().engine.model_memory_bytes = 1;  // the model is read when it is used
+  server.Start();
+  v1::GetDatabaseRequest request;
+  request.set_name("databases/db");
+  request.set_view(v1::DATABASE_VIEW_FULL);
+  const auto got = Ask(*server.NewStub<v1::DatabaseService>(), &Stub::GetDatabase, request);
+  REQUIRE(got.status.ok());
+  CHECK(got.response.database().marker_names_size() == markers);
+  CHECK(got.response.database().statistics().clip_count() == 3);
+}
+
 TEST_CASE("DatabaseService: given settings are stored", "[server][rpc]") {
   TestServer server;
   const auto stub = server.NewStub<v1::DatabaseService>();

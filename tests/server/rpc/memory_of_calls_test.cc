@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "motiondb/v1/clip.grpc.pb.h"
+#include "motiondb/v1/edit.grpc.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
 #include "tests/server/rpc/limited_server.h"
 #include "tests/support/test_server.h"
@@ -126,6 +127,43 @@ TEST_CASE("Work: the total work of a prediction series is bounded", "[server][li
   INFO(refused.error_message());
   CHECK(refused.error_code() == StatusCode::INVALID_ARGUMENT);
   CHECK(HasText(refused, "every_seconds"));
+}
+
+TEST_CASE("Memory: a stored change is answered even if its response is too large",
+          "[server][limits]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  server.IngestFigure("db", "walk", "walking", {.frame_count = 90});
+  v1::BatchEditRequest batch;
+  batch.set_parent("databases/db");
+  for (int i = 0; i < 600; ++i) {
+    v1::CreateSegmentRequest& change = *batch.add_changes()->mutable_create_segment();
+    change.set_parent("databases/db/clips/walk");
+    change.mutable_segment()->set_track("t" + std::to_string(i % 10));
+    change.mutable_segment()->set_label("l");
+    change.mutable_segment()->set_start_seconds(0.02 * (i / 10));
+    change.mutable_segment()->set_end_seconds(0.02 * (i / 10 + 1));
+  }
+  using Edits = v1::EditService::Stub;
+  const auto edited = Ask(*server.NewStub<v1::EditService>(), &Edits::BatchEdit, batch);
+  INFO(edited.status.error_message());
+  REQUIRE(edited.status.ok());
+
+  server.Stop();
+  server.options().calls.message_memory_bytes = 256 << 10;
+  server.Start();
+  const auto edits = server.NewStub<v1::EditService>();
+  v1::ListEditsRequest history;
+  history.set_parent("databases/db");
+  // Nothing depends on this response.
+  CHECK(Ask(*edits, &Edits::ListEdits, history).status.error_code() ==
+        StatusCode::RESOURCE_EXHAUSTED);
+  v1::UndoEditRequest undo;
+  undo.set_name(edited.response.edit().name());
+  const auto undone = Ask(*edits, &Edits::UndoEdit, undo);
+  INFO(undone.status.error_message());
+  CHECK(undone.status.ok());
+  CHECK(undone.response.edit().objects_size() == 600);
 }
 
 }  // namespace

@@ -245,7 +245,7 @@ TEST_CASE("Settings: a message has room for a block of a file", "[settings]") {
   SettingsReader small;
   const auto problems = ReadSettings(small, {"--store", "/s.db", "--max-message-mib", "1"});
   REQUIRE(problems.size() == 1);
-  CHECK_THAT(problems[0], Catch::Contains("max-message-mib") && Catch::Contains("2 - 1024"));
+  CHECK_THAT(problems[0], Catch::Contains("max-message-mib") && Catch::Contains("2 to 1024"));
 }
 
 TEST_CASE("Settings: servers of one store share the work, a server of a file does all",

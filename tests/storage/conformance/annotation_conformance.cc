@@ -218,6 +218,10 @@ void TestEdits(StoreUnderTest& store) {
   REQUIRE(Require(Edit(store, {clip})).id == 0);
   REQUIRE(Require(Edit(store, {})).id == 0);
   REQUIRE(Require(Edit(store, {Create("b", "l", 1, 1.1, "t"), Delete("b")})).id == 0);
+  // Then the audit log has no entry either: the caller decides whether to write one.
+  const storage::AuditRecord unused{.time_us = kPutTime, .method = "Edit"};
+  REQUIRE(Require(store->annotations().Edit("d", {}, "me", {&unused})).id == 0);
+  REQUIRE(Require(store->access().ListAuditRecords(0, 10)).empty());
   REQUIRE(Require(store->annotations().Revision("d")) == 3);
   REQUIRE(Require(store->annotations().ListEdits("d", "", 0, 10)).size() == 1);
 

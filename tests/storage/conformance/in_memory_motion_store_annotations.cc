@@ -77,7 +77,7 @@ absl::StatusOr<EditRecord> InMemoryMotionStore::Make(Database& in, const Plan& p
     in.edits.push_back(edit);
     if (std::ssize(in.edits) > storage::kEditsKept) in.edits.erase(in.edits.begin());
   }
-  MOTIONDB_RETURN_IF_ERROR(Note(terms));
+  if (edit.id != 0) MOTIONDB_RETURN_IF_ERROR(Note(terms));
   return edit;
 }
 

@@ -13,6 +13,7 @@
 #include "server/engine/engine.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
+#include "server/engine/representation.h"
 #include "server/engine/snapshot.h"
 #include "server/engine/source_reader.h"
 

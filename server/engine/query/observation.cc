@@ -12,6 +12,7 @@
 #include "core/motion/error.h"
 #include "server/engine/database_caches.h"
 #include "server/engine/live_database.h"
+#include "server/engine/representation.h"
 #include "server/engine/request_checks.h"
 #include "server/engine/source_reader.h"
 

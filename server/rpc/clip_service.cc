@@ -167,22 +167,16 @@ absl::Status ListSkeletons(const Call& call, const v1::ListSkeletonsRequest& req
   const std::string scope = SkeletonName(id, "");
   MOTIONDB_ASSIGN_OR_RETURN(std::string after, DecodePageToken(scope, request.page_token()));
   MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(id).status());
-  PageBudget budget(size);
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto records,
-                              call.engine.store().ListSkeletons(id, {after, kSkeletonsPerRead}));
-    if (records.empty()) return absl::OkStatus();
-    for (const storage::SkeletonRecord& record : records) {
-      v1::Skeleton skeleton;
-      SetSkeleton(id, record, skeleton);
-      if (!budget.Take(skeleton.ByteSizeLong())) {
-        response.set_next_page_token(EncodePageToken(scope, after));
-        return absl::OkStatus();
-      }
-      *response.add_skeletons() = std::move(skeleton);
-      after = record.id;
-    }
-  }
+  MOTIONDB_ASSIGN_OR_RETURN(
+      *response.mutable_next_page_token(),
+      FillPageByReads(
+          std::move(after), size, scope, *response.mutable_skeletons(),
+          [&](const std::string& last) {
+            return call.engine.store().ListSkeletons(id, {last, kSkeletonsPerRead});
+          },
+          [&](const auto& record, v1::Skeleton& skeleton) { SetSkeleton(id, record, skeleton); },
+          [](const auto& record) { return record.id; }));
+  return absl::OkStatus();
 }
 
 // Copies the next block of `bytes` from `begin` to `block` and advances `begin`. False at the end.

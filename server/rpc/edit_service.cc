@@ -1,5 +1,7 @@
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/edit.grpc.pb.h"
@@ -44,29 +46,21 @@ absl::Status ListEdits(const Call& call, const v1::ListEditsRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
   const std::string scope = fmt::format("edits of {} in {}", clip, id);
   MOTIONDB_ASSIGN_OR_RETURN(std::string after, DecodePageToken(scope, request.page_token()));
-  std::int64_t before = 0;
-  if (!after.empty()) {
-    MOTIONDB_ASSIGN_OR_RETURN(const EditId last, ParseEditName("page_token", after));
-    before = last.id;
-  }
   MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(id).status());
-  PageBudget budget(size);
-  while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto records, call.engine.store().annotations().ListEdits(
-                                                      id, clip, before, kEditsPerRead));
-    if (records.empty()) return absl::OkStatus();
-    for (const storage::EditRecord& record : records) {
-      v1::Edit edit;
-      SetEdit(record, edit);
-      if (!budget.Take(edit.ByteSizeLong())) {
-        response.set_next_page_token(EncodePageToken(scope, after));
-        return absl::OkStatus();
-      }
-      *response.add_edits() = std::move(edit);
-      before = record.id;
-      after = EditName(record.database, record.id);
+  const auto read =
+      [&](const std::string& last) -> absl::StatusOr<std::vector<storage::EditRecord>> {
+    std::int64_t before = 0;
+    if (!last.empty()) {
+      MOTIONDB_ASSIGN_OR_RETURN(const EditId edit, ParseEditName("page_token", last));
+      before = edit.id;
     }
-  }
+    return call.engine.store().annotations().ListEdits(id, clip, before, kEditsPerRead);
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(
+      *response.mutable_next_page_token(),
+      FillPageByReads(std::move(after), size, scope, *response.mutable_edits(), read, SetEdit,
+                      [](const auto& record) { return EditName(record.database, record.id); }));
+  return absl::OkStatus();
 }
 
 absl::Status UndoEdit(const Call& call, const v1::UndoEditRequest& request,

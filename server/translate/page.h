@@ -81,6 +81,27 @@ std::string FillPageFrom(const Records& records, int size, std::string_view scop
   return added == count ? std::string() : EncodePageToken(scope, position(records[added - 1]));
 }
 
+// Like FillPageFrom, for large records, of which read(after) returns the next few: those after the
+// position `after`, none at the end.
+template <typename Field, typename Read, typename Make, typename Position>
+absl::StatusOr<std::string> FillPageByReads(std::string after, int size, std::string_view scope,
+                                            Field& page, const Read& read, const Make& make,
+                                            const Position& position) {
+  PageBudget budget(size);
+  while (true) {
+    const auto records = read(after);
+    if (!records.ok()) return records.status();
+    if (records->empty()) return std::string();
+    for (const auto& record : *records) {
+      typename Field::value_type message;
+      make(record, message);
+      if (!budget.Take(message.ByteSizeLong())) return EncodePageToken(scope, after);
+      *page.Add() = std::move(message);
+      after = position(record);
+    }
+  }
+}
+
 // A position in a list of parts of one model.
 struct ModelPosition {
   ModelStamp model;  // none: beginning of the list

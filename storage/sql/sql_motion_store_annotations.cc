@@ -5,7 +5,6 @@
 #include "storage/edit_plan.h"
 #include "storage/sql/sql_motion_store.h"
 #include "storage/sql/sql_motion_store_work.h"
-#include "storage/sql/tables/access_tables.h"
 #include "storage/sql/tables/change_feed.h"
 #include "storage/sql/tables/clip_row.h"
 #include "storage/sql/tables/clip_text.h"
@@ -14,46 +13,23 @@
 
 namespace motiondb::storage {
 
-namespace {
-
-// Makes an edit, and stores its audit entry if it has an effect.
-template <typename Make>
-absl::StatusOr<EditRecord> MakeRecorded(Connection& connection, const AuditRecord* audit,
-                                        const Make& make) {
-  MOTIONDB_ASSIGN_OR_RETURN(EditRecord edit, make());
-  if (edit.id != 0 && audit != nullptr) {
-    MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *audit));
-  }
-  return edit;
-}
-
-WriteOptions WithoutAudit(WriteOptions terms) {
-  terms.audit = nullptr;
-  return terms;
-}
-
-}  // namespace
-
 absl::StatusOr<EditRecord> SqlMotionStore::Edit(const std::string& database,
                                                 std::span<const Change> changes,
                                                 const std::string& author,
                                                 const WriteOptions& terms) {
   const auto edit = [&](Connection& connection) {
-    return MakeRecorded(connection, terms.audit,
-                        [&] { return MakeEdit(connection, database, changes, author, now_us_()); });
+    return MakeEdit(connection, database, changes, author, now_us_());
   };
-  return WriteWith(WithoutAudit(terms), edit, Added(0));
+  return WriteWith(terms, edit, Added(0));
 }
 
 absl::StatusOr<EditRecord> SqlMotionStore::UndoEdit(const std::string& database, std::int64_t edit,
                                                     const std::string& author,
                                                     const WriteOptions& terms) {
   const auto undo = [&](Connection& connection) {
-    return MakeRecorded(connection, terms.audit, [&] {
-      return UndoStoredEdit(connection, database, edit, author, now_us_());
-    });
+    return UndoStoredEdit(connection, database, edit, author, now_us_());
   };
-  return WriteWith(WithoutAudit(terms), undo, Added(0));
+  return WriteWith(terms, undo, Added(0));
 }
 
 absl::StatusOr<std::vector<EditRecord>> SqlMotionStore::ListEdits(const std::string& database,

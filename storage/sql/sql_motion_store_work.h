@@ -27,6 +27,13 @@ auto SqlMotionStore::Write(Priority priority, const Work& work, const core::Canc
   return written;
 }
 
+// Whether work has changed something, and so has an audit entry.
+template <typename Result>
+bool HasEffect(const Result&) {
+  return true;
+}
+inline bool HasEffect(const absl::StatusOr<EditRecord>& edit) { return edit->id != 0; }
+
 template <typename Work>
 auto SqlMotionStore::WriteWith(const WriteOptions& terms, const Work& work, Added added,
                                Priority priority) {
@@ -35,7 +42,7 @@ auto SqlMotionStore::WriteWith(const WriteOptions& terms, const Work& work, Adde
     if (StatusOf(result).ok() && terms.database_id != 0) {
       MOTIONDB_RETURN_IF_ERROR(CheckHasDatabase(connection, terms.database_id));
     }
-    if (StatusOf(result).ok() && terms.audit != nullptr) {
+    if (StatusOf(result).ok() && HasEffect(result) && terms.audit != nullptr) {
       MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *terms.audit));
     }
     return result;

@@ -166,7 +166,6 @@ void OperationRegistry::Observe(const OperationRecord& stored) {
     watchers = std::exchange(live->second.watchers, {});
     live_.erase(live);
   }
-  const storage::AllocationsMayFail::Pause pause;  // of other calls
   for (const auto& [key, watcher] : watchers) watcher(stored);
 }
 
@@ -249,7 +248,6 @@ absl::Status OperationRegistry::Change(const std::string& id, Durability durabil
       if (stored.ok()) live_.erase(live);
     }
   }
-  const storage::AllocationsMayFail::Pause pause;  // of other calls
   for (const auto& [key, watcher] : watchers) watcher(record);
   return absl::OkStatus();
 }
@@ -263,7 +261,12 @@ std::uint64_t OperationRegistry::Watch(const std::string& id, Watcher watcher) {
   const storage::MutexLock lock(mutex_);
   const auto live = live_.find(id);
   if (live == live_.end() || live->second.record.done() || released_) return 0;
-  live->second.watchers.emplace(next_key_, std::move(watcher));
+  // A watcher resumes another call, which must not fail with the caller's work.
+  live->second.watchers.emplace(next_key_,
+                                [watcher = std::move(watcher)](const OperationRecord& record) {
+                                  const storage::AllocationsMayFail::Pause pause;
+                                  watcher(record);
+                                });
   return next_key_++;
 }
 
@@ -284,7 +287,6 @@ void OperationRegistry::EndWaits() {
       live.watchers.clear();
     }
   }
-  const storage::AllocationsMayFail::Pause pause;  // of other calls
   for (const auto& [watcher, record] : released) watcher(record);
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "motiondb/v1/access.grpc.pb.h"
-#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "server/security/authorize.h"
 #include "tests/server/rpc/limited_server.h"
@@ -95,6 +95,25 @@ TEST_CASE("Limits: a change that waits for its turn delays no query and holds no
   }
   CHECK_FALSE(engine.FindDatabase("late").ok());
   CHECK(engine.FindDatabase("in-time").ok());
+}
+
+TEST_CASE("Audit: an edit without effect has one entry, as the edit before it",
+          "[server][limits]") {
+  TestServer server;
+  server.CreateTrained("db");
+  v1::UpdateClipRequest request;
+  request.mutable_clip()->set_name("databases/db/clips/walk");
+  request.mutable_clip()->set_title("Walk");
+  request.mutable_update_mask()->add_paths("title");
+  const auto clips = server.NewStub<v1::ClipService>();
+  for (int i = 0; i < 2; ++i) {
+    REQUIRE(Ask(*clips, &v1::ClipService::Stub::UpdateClip, request).status.ok());
+  }
+  const auto records = server.server().engine().store().access().ListAuditRecords(0, 20);
+  REQUIRE(records.ok());
+  CHECK(std::ranges::count_if(*records, [](const storage::AuditRecord& record) {
+          return record.method.find("UpdateClip") != std::string::npos && record.code == 0;
+        }) == 2);
 }
 
 }  // namespace
